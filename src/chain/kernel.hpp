@@ -75,18 +75,20 @@ class MemoryKernel {
   /// The output just after the input has begun to move towards `next` (differs from the last output only for
   /// operators that jump when the input turns).
   virtual double departing(double next) const = 0;
-  virtual bool jumps_at_turns() const { return false; }
   /// False: the output depends on how fast the input moves.
   virtual bool rate_independent() const = 0;
   /// Above 0: the operator is y following u at no more than this rate, which engines may work out by events.
   virtual double slew_rate() const { return 0.0; }
   /// Inputs at which the output jumps, for engines that stop there.
   virtual std::vector<double> corners() const { return {}; }
-  /// Not empty: while the input rises (direction 1, also before it first moves) or falls (-1), y is this
-  /// polynomial [c0, c1, ...] of u, whatever came before; switch_delay_s() later, to be exact.
-  virtual std::vector<double> branch_polynomial(int /*direction*/) const { return {}; }
-  /// Of operators with branch polynomials: the branch follows the input's direction this much later.
+  /// Whether y is one curve of u while the input rises (also before it first moves) and another while it falls, whatever came
+  /// before; switch_delay_s() later, to be exact.
+  virtual bool has_branches() const { return false; }
+  virtual double on_branch(bool /*rising*/, double u) const { return u; }
+  /// Of operators with branches: the branch follows the input's direction this much later.
   virtual double switch_delay_s() const { return 0.0; }
+  /// Not empty: the branch is this polynomial [c0, c1, ...] of u.
+  virtual std::vector<double> branch_polynomial(bool /*rising*/) const { return {}; }
 };
 
 /// Works on samples taken at t = first_edge + k/clock_hz; its output is held from `delay_s` after each sample

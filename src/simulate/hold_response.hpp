@@ -21,10 +21,19 @@ struct HoldNodes {
   std::array<std::array<double, kMaxDegree + 1>, kMaxDegree + 1> monomial{};
 
   std::size_t size() const { return degree + 1; }
+  std::span<const double> places() const { return {at.data(), size()}; }
   /// Weights of the node values for the value at s.
   void weights(double s, double* out) const;
   double value(const double* nodes, double s) const;
   double slope(const double* nodes, double s) const;  ///< d/ds
+};
+
+/// Holds of equal length, one behind the other: a signal is a row of such spans.
+struct HoldSpan {
+  std::size_t holds = 0;
+  double h = 0.0;  ///< s
+
+  bool operator==(const HoldSpan&) const = default;
 };
 
 /// degree 1 to kMaxDegree.

@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "chain/chain.hpp"
+#include "simulate/hold_response.hpp"
 
 namespace bodesmith::simulate {
 
@@ -47,6 +49,18 @@ struct RecordStage {
 
 /// The first `blocks` blocks as stages.
 std::vector<RecordStage> record_stages(const std::vector<KernelSlot>& slots, std::size_t blocks);
+
+/// The holds of a record, and behind which of them each sample interval ends.
+struct HoldPlan {
+  std::vector<HoldSpan> spans;
+  std::vector<std::size_t> ends;
+};
+
+/// `oversample` holds to a sample interval. Where a switch acts late one ends there, and that interval, the next and that of the turn
+/// are of shorter ones: a jump inside a hold is right for dynamics slow beside the hold (BranchPropagator); quick ones, and the turns that they make
+/// for a memory behind them, need a hold that ends with the jump, and holds as short as they are. Turns of the input itself count.
+HoldPlan plan_holds(const std::vector<RecordStage>& stages, const std::vector<KernelSlot>& slots,
+                    std::span<const double> u, double step_s, std::size_t oversample);
 
 /// 1 while every signal that enters dynamics is a straight line over each hold of h seconds, else 3.
 std::size_t needed_degree(const std::vector<RecordStage>& stages, const std::vector<KernelSlot>& slots,

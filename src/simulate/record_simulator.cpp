@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "simulate/propagators/branch.hpp"
 #include "simulate/propagators/collocation.hpp"
 #include "simulate/propagators/linear.hpp"
@@ -46,12 +48,15 @@ struct RecordSimulator::Implementation {
   // What one run is about.
   struct Run {
     const HoldNodes& nodes;
-    double h = 0.0;
-    std::size_t holds = 0;
+    HoldPlan plan;
     bool equilibrium = false;
     double rest = 0.0;  ///< what the signal rests at before the start
 
-    std::size_t values() const { return holds * nodes.size(); }
+    std::size_t values() const {
+      std::size_t holds = 0;
+      for (const HoldSpan& span : plan.spans) holds += span.holds;
+      return holds * nodes.size();
+    }
   };
 
   /// A run as it stood in front of a stage: RecordOptions::same_input.
@@ -88,6 +93,7 @@ struct RecordSimulator::Implementation {
   std::vector<Kept> kept;  ///< one a block, in front of it
   std::span<const double> kept_input;
   std::size_t kept_degree = 0;
+  std::vector<HoldSpan> kept_spans;
 
   /// What was kept behind a block that changed is no longer so.
   void forget_behind(std::size_t block) {
@@ -119,19 +125,19 @@ struct RecordSimulator::Implementation {
   }
 
   void spread_input(std::span<const double> u, const Run& run) {
-    const std::size_t width = run.nodes.size();
-    const std::size_t parts = options.oversample;
     signal.resize(run.values());
     other.resize(run.values());
     double* out = signal.data();
-    for (std::size_t i = 0; i + 1 < u.size(); ++i) {
-      const double rise = u[i + 1] - u[i];
-      for (std::size_t m = 0; m < parts; ++m) {
-        for (std::size_t j = 0; j < width; ++j) {
-          const bool last = m + 1 == parts && j + 1 == width;
-          const double part = (static_cast<double>(m) + run.nodes.at[j]) / static_cast<double>(parts);
-          *out++ = last ? u[i + 1] : u[i] + rise * part;
-        }
+    std::size_t hold = 0, i = 0;
+    double from = 0.0;  // of the sample interval i
+    for (const HoldSpan& span : run.plan.spans) {
+      const double part = span.h / step_s;
+      for (std::size_t n = 0; n < span.holds && i < run.plan.ends.size(); ++n) {
+        for (const double at : run.nodes.places()) *out++ = u[i] + (u[i + 1] - u[i]) * (from + part * at);
+        from += part;
+        if (++hold < run.plan.ends[i]) continue;
+        out[-1] = u[++i];
+        from = 0.0;
       }
     }
     std::fill(out, signal.data() + signal.size(), u.back());
@@ -225,10 +231,10 @@ struct RecordSimulator::Implementation {
     if (needs_samples_only()) return run_samples(u);
     result.resize(u.size());
     const bool right_limits = has_sampled();
-    const std::size_t parts = options.oversample;
-    Run run{hold_nodes(degree), step_s / static_cast<double>(parts),
-            (u.size() - 1) * parts + (right_limits || u.size() == 1 ? 1 : 0), start == Start::equilibrium,
-            u[0]};
+    Run run{hold_nodes(degree), plan_holds(stages, slots, u, step_s, options.oversample),
+            start == Start::equilibrium, u[0]};
+    if (run.plan.spans.empty()) run.plan.spans.push_back({0, step_s});
+    if (right_limits || u.size() == 1) ++run.plan.spans.back().holds;
     state.assign(initial.begin(), initial.end());
     Progress progress("simulation");
     const auto count = static_cast<double>(stages.size());
@@ -242,9 +248,9 @@ struct RecordSimulator::Implementation {
       if (keeps && i + 1 < stages.size() && !works_by_values(stages[i])) keep(stages[i + 1].first, run);
     }
     // At a jump the value behind it (a clocked block's new output) or in front.
-    const std::size_t stride = parts * run.nodes.size();
     result[0] = signal[0];
-    for (std::size_t k = 1; k < u.size(); ++k) result[k] = signal[k * stride - (right_limits ? 0 : 1)];
+    for (std::size_t k = 1; k < u.size(); ++k)
+      result[k] = signal[run.plan.ends[k - 1] * run.nodes.size() - (right_limits ? 0 : 1)];
     return result;
   }
 
@@ -259,10 +265,12 @@ struct RecordSimulator::Implementation {
   /// The stage from which the run goes on, with what was kept in front of it; 0: none was.
   std::size_t go_on_from_kept(std::span<const double> u, Run& run) {
     if (!options.same_input) return 0;
-    if (u.data() != kept_input.data() || u.size() != kept_input.size() || degree != kept_degree)
+    if (u.data() != kept_input.data() || u.size() != kept_input.size() || degree != kept_degree ||
+        run.plan.spans != kept_spans)
       kept.assign(chain.blocks.size(), {});
     kept_input = u;
     kept_degree = degree;
+    kept_spans = run.plan.spans;
     for (std::size_t i = stages.size(); i-- > 1;) {
       const Kept& here = kept[stages[i].first];
       if (!here.good) continue;
@@ -315,14 +323,12 @@ struct RecordSimulator::Implementation {
       before = add_rest(k, run.rest, main_state.data());
       run.rest = before + add_rest(stage.beside, 0.0, beside_state.data());
     }
-    linear.prepare(k, run.h, run.nodes);
-    linear.run(signal.data(), other.data(), run.holds, main_state.data(), before);
+    run_linear(k, run, signal.data(), other.data(), main_state.data(), before);
     if (delayed && !is_silent(stage.beside, beside_state)) {
       // `signal` is free now.
-      linear.prepare(stage.beside, run.h, run.nodes);
       std::fill(signal.begin(), signal.end(), 0.0);
       third.resize(signal.size());
-      linear.run(signal.data(), third.data(), run.holds, beside_state.data(), 0.0);
+      run_linear(stage.beside, run, signal.data(), third.data(), beside_state.data(), 0.0);
       for (std::size_t i = 0; i < other.size(); ++i) other[i] += third[i];
     }
     // Its states have seen the steps of a clock right; what goes straight through shows them where they are.
@@ -331,6 +337,22 @@ struct RecordSimulator::Implementation {
     }
     jumps.clear();
     std::swap(signal, other);
+  }
+
+  void run_linear(const LinearKernel& k, const Run& run, const double* u, double* y, double* x,
+                  double before) {
+    if (run.plan.spans.size() == 1) {
+      linear.prepare(k, run.plan.spans.front().h, run.nodes);
+      return linear.run(u, y, run.plan.spans.front().holds, x, before);
+    }
+    std::map<double, LinearPropagator> by_length;
+    for (const HoldSpan& span : run.plan.spans) {
+      const auto [by, is_new] = by_length.try_emplace(span.h);
+      if (is_new) by->second.prepare(k, span.h, run.nodes, true);
+      by->second.run(u, y, span.holds, x, before);
+      u += span.holds * run.nodes.size();
+      y += span.holds * run.nodes.size();
+    }
   }
 
   void run_kernel(LinearKernel&, Run&, double*, bool) {
@@ -344,9 +366,13 @@ struct RecordSimulator::Implementation {
 
   void run_kernel(std::unique_ptr<SourceKernel>& source, Run& run, double*, bool) {
     double* v = signal.data();
-    for (std::size_t hold = 0; hold < run.holds; ++hold) {
-      for (std::size_t j = 0; j < run.nodes.size(); ++j)
-        *v++ += source->value(options.start_s + run.h * (static_cast<double>(hold) + run.nodes.at[j]));
+    double from = options.start_s;
+    for (const HoldSpan& span : run.plan.spans) {
+      for (std::size_t hold = 0; hold < span.holds; ++hold) {
+        for (std::size_t j = 0; j < run.nodes.size(); ++j)
+          *v++ += source->value(from + span.h * (static_cast<double>(hold) + run.nodes.at[j]));
+      }
+      from += span.h * static_cast<double>(span.holds);
     }
     run.rest += source->value(options.start_s);
   }
@@ -358,34 +384,40 @@ struct RecordSimulator::Implementation {
       for (std::size_t i = 0; i < still.size(); ++i) x[i] += still[i];
       run.rest = output(system->linear(), run.rest, still.data());
     }
-    collocation.prepare(*system, run.h, run.nodes,
-                        {options.max_parts, options.max_turn_rad, options.newton_tolerance});
-    switch (collocation.run(*system, signal.data(), other.data(), run.holds, x)) {
-      case CollocationPropagator::Outcome::finished:
-        break;
-      case CollocationPropagator::Outcome::too_many_parts:
-        outcome = Outcome::too_many_parts;
-        break;
-      case CollocationPropagator::Outcome::not_finite:
-        outcome = Outcome::not_finite;
-        break;
+    const double* u = signal.data();
+    double* y = other.data();
+    for (const HoldSpan& span : run.plan.spans) {
+      collocation.prepare(*system, span.h, run.nodes,
+                          {options.max_parts, options.max_turn_rad, options.newton_tolerance});
+      switch (collocation.run(*system, u, y, span.holds, x)) {
+        case CollocationPropagator::Outcome::finished:
+          break;
+        case CollocationPropagator::Outcome::too_many_parts:
+          outcome = Outcome::too_many_parts;
+          break;
+        case CollocationPropagator::Outcome::not_finite:
+          outcome = Outcome::not_finite;
+          break;
+      }
+      u += span.holds * run.nodes.size();
+      y += span.holds * run.nodes.size();
     }
     std::swap(signal, other);
   }
 
   void run_kernel(std::unique_ptr<MemoryKernel>& memory, Run& run, double*, bool) {
-    if (branch.prepare(*memory, run.h, run.nodes)) {
-      run.rest = branch.run(signal.data(), run.holds, run.equilibrium ? signal[0] : 0.0);
-    } else {
-      run.rest = run_memory(*memory, run.nodes, run.h, signal.data(), run.holds, run.equilibrium);
-    }
+    run.rest =
+        memory->has_branches()
+            ? branch.run(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium ? signal[0] : 0.0)
+            : run_memory(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium);
   }
 
   void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*, bool values_only) {
-    require_few_edges(sampled->clock_hz() * run.h * static_cast<double>(run.holds),
+    const HoldSpan& all = run.plan.spans.front();  // the only one
+    require_few_edges(sampled->clock_hz() * all.h * static_cast<double>(all.holds),
                       fmt::format("a clock of {} Hz", rounded_text(sampled->clock_hz())));
     if (!values_only) jumps.resize(other.size());
-    run_sampled(*sampled, run.nodes, run.h, signal.data(), other.data(), run.holds, run.equilibrium,
+    run_sampled(*sampled, run.nodes, all.h, signal.data(), other.data(), all.holds, run.equilibrium,
                 values_only ? nullptr : jumps.data());
     std::swap(signal, other);
   }

@@ -42,10 +42,16 @@ class OperatorKernel final : public MemoryKernel {
     if (!curves_ || next == u_) return y_;
     return operator_->peek(u_ + 1e-12 * (next - u_), 0.0);
   }
-  bool jumps_at_turns() const override { return curves_.has_value(); }
-  std::vector<double> branch_polynomial(int direction) const override {
+  bool has_branches() const override { return curves_.has_value(); }
+  double on_branch(bool rising, double u) const override {
+    const std::vector<double>& c = rising ? curves_->rising : curves_->falling;
+    double sum = 0.0;
+    for (std::size_t k = c.size(); k-- > 0;) sum = sum * u + c[k];
+    return sum;
+  }
+  std::vector<double> branch_polynomial(bool rising) const override {
     if (!curves_) return {};
-    return direction > 0 ? curves_->rising : curves_->falling;
+    return rising ? curves_->rising : curves_->falling;
   }
   double switch_delay_s() const override { return curves_ ? curves_->switch_delay_s : 0.0; }
   bool rate_independent() const override { return operator_->rate_independent(); }

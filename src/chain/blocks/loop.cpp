@@ -47,7 +47,9 @@ class LoopKernel final : public MemoryKernel {
   double departing(double next) const override {
     return drive(delay_s_ > 0.0 || next == r_ ? rising_ : next > r_, r_);
   }
-  bool jumps_at_turns() const override { return delay_s_ == 0.0; }
+  bool has_branches() const override { return true; }
+  double on_branch(bool rising, double r) const override { return drive(rising, r); }
+  double switch_delay_s() const override { return delay_s_; }
   bool rate_independent() const override { return delay_s_ == 0.0; }
 
  private:

@@ -65,8 +65,8 @@ std::vector<ExactSegment> straight_segments(const DenseSignal& signal) {
 
 /// False when the input turns, or may turn, inside a segment.
 bool by_branches(std::vector<ExactSegment>& segments, const MemoryKernel& memory) {
-  const auto up = memory.branch_polynomial(1);
-  const auto down = memory.branch_polynomial(-1);
+  const auto up = memory.branch_polynomial(true);
+  const auto down = memory.branch_polynomial(false);
   if (up.empty() || down.empty()) return false;
   bool rising = segments.front().coefficients[0] >= 0.0;
   for (ExactSegment& s : segments) {
@@ -83,7 +83,7 @@ struct MayHaveClosedForm {
   bool operator()(const std::unique_ptr<CurveKernel>& k) const { return k->polynomial() != nullptr; }
   bool operator()(const std::unique_ptr<SourceKernel>& k) const { return k->straight(); }
   bool operator()(const std::unique_ptr<MemoryKernel>& k) const {
-    return !k->branch_polynomial(1).empty() && k->switch_delay_s() == 0.0;
+    return !k->branch_polynomial(true).empty() && k->switch_delay_s() == 0.0;
   }
   bool operator()(const std::unique_ptr<OdeKernel>&) const { return false; }
   bool operator()(const std::unique_ptr<SampledKernel>&) const { return false; }

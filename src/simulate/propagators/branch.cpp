@@ -12,12 +12,6 @@ constexpr double kRounding = 1e-12;
 /// Switch times this near to a hold's end belong to the end.
 constexpr double kAtEnd = 1e-9;
 
-double horner(const std::vector<double>& c, double u) {
-  double sum = 0.0;
-  for (std::size_t k = c.size(); k-- > 0;) sum = sum * u + c[k];
-  return sum;
-}
-
 /// Gauss-Legendre, five points on [0, 1].
 constexpr std::array<double, 5> kAt = {0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155,
                                        0.953089922969332};
@@ -67,22 +61,8 @@ std::size_t turning_points(const double* slope, std::size_t degree, double* root
 
 }  // namespace
 
-bool BranchPropagator::prepare(const chain::MemoryKernel& memory, double h, const HoldNodes& nodes) {
-  up_ = memory.branch_polynomial(1);
-  down_ = memory.branch_polynomial(-1);
-  if (up_.empty() || down_.empty()) return false;
-  delay_ = memory.switch_delay_s() / h;
-  nodes_ = &nodes;
-  for (std::size_t j = 0; j <= nodes.degree; ++j) {
-    quadrature_[j] = 0.0;
-    for (std::size_t k = 0; k <= nodes.degree; ++k)
-      quadrature_[j] += nodes.monomial[k][j] / static_cast<double>(k + 1);
-  }
-  return true;
-}
-
 double BranchPropagator::on_branch(double u) const {
-  return horner(branch_ ? up_ : down_, u);
+  return memory_->on_branch(branch_, u);
 }
 
 void BranchPropagator::turn(double when, bool rising) {
@@ -95,10 +75,9 @@ bool BranchPropagator::is_constant(const double* v) const {
   return std::all_of(v + 1, v + nodes_->size(), [v](double value) { return value == v[0]; });
 }
 
-void BranchPropagator::find_turns(const double* v, std::size_t hold, double last, double noise) {
+void BranchPropagator::find_turns(const double* v, double last, double noise) {
   const std::size_t p = nodes_->degree;
-  const auto start = static_cast<double>(hold);
-  if (std::abs(v[0] - last) > noise) turn(start, v[0] > last);
+  if (std::abs(v[0] - last) > noise) turn(0.0, v[0] > last);
   if (is_constant(v)) return;  // behind a clocked hold most are
   // The slope's polynomial, and the directions between its roots.
   double slope[kMaxDegree] = {};
@@ -116,49 +95,64 @@ void BranchPropagator::find_turns(const double* v, std::size_t hold, double last
   double value = v[0];
   for (std::size_t k = 0; k <= count; ++k) {
     const double end = roots[k] < 1.0 ? nodes_->value(v, roots[k]) : v[p];
-    if (std::abs(end - value) > noise) turn(start + from, end > value);
+    if (std::abs(end - value) > noise) turn(from, end > value);
     from = roots[k];
     value = end;
   }
 }
 
-double BranchPropagator::run(double* signal, std::size_t holds, double before) {
-  const std::size_t width = nodes_->size();
+double BranchPropagator::run(const chain::MemoryKernel& memory, const HoldNodes& nodes,
+                             std::span<const HoldSpan> spans, double* signal, double before) {
+  memory_ = &memory;
+  nodes_ = &nodes;
+  for (std::size_t j = 0; j <= nodes.degree; ++j) {
+    quadrature_[j] = 0.0;
+    for (std::size_t k = 0; k <= nodes.degree; ++k)
+      quadrature_[j] += nodes.monomial[k][j] / static_cast<double>(k + 1);
+  }
+  const std::size_t width = nodes.size();
   rising_ = branch_ = true;
   due_.clear();
   const double rest = on_branch(before);
   double size = std::abs(before);
   double last = before;
   double* v = signal;
-  for (std::size_t hold = 0; hold < holds; ++hold, v += width) {
-    const auto start = static_cast<double>(hold);
-    for (std::size_t j = 0; j < width; ++j) size = std::max(size, std::abs(v[j]));
-    find_turns(v, hold, last, kRounding * size);
-    last = v[width - 1];
-    while (!due_.empty() && due_.front() <= start + kAtEnd) {
-      branch_ = !branch_;
-      due_.erase(due_.begin());
-    }
-    if (due_.empty() || due_.front() >= start + 1.0 - kAtEnd) {
-      if (is_constant(v)) {
-        std::fill_n(v, width, on_branch(v[0]));
-      } else {
-        for (std::size_t j = 0; j < width; ++j) v[j] = on_branch(v[j]);
-      }
-    } else {
-      broken_hold(v, hold);
+  double h = spans.front().h;
+  for (const HoldSpan& span : spans) {
+    for (double& time : due_) time *= h / span.h;
+    h = span.h;
+    delay_ = memory.switch_delay_s() / h;
+    for (std::size_t hold = 0; hold < span.holds; ++hold, v += width) {
+      for (std::size_t j = 0; j < width; ++j) size = std::max(size, std::abs(v[j]));
+      find_turns(v, last, kRounding * size);
+      last = v[width - 1];
+      run_hold(v);
+      for (double& time : due_) time -= 1.0;
     }
   }
   return rest;
 }
 
-void BranchPropagator::moments(const double* v, std::size_t hold, double* moment) {
+void BranchPropagator::run_hold(double* v) {
+  const std::size_t width = nodes_->size();
+  while (!due_.empty() && due_.front() <= kAtEnd) {
+    branch_ = !branch_;
+    due_.erase(due_.begin());
+  }
+  if (!due_.empty() && due_.front() < 1.0 - kAtEnd) return broken_hold(v);
+  if (is_constant(v)) {
+    std::fill_n(v, width, on_branch(v[0]));
+  } else {
+    for (std::size_t j = 0; j < width; ++j) v[j] = on_branch(v[j]);
+  }
+}
+
+void BranchPropagator::moments(const double* v, double* moment) {
   const std::size_t inner = nodes_->degree - 1;
-  const auto start = static_cast<double>(hold);
   double from = 0.0;
   while (true) {
-    const bool more = !due_.empty() && due_.front() < start + 1.0 - kAtEnd;
-    const double to = more ? due_.front() - start : 1.0;
+    const bool more = !due_.empty() && due_.front() < 1.0 - kAtEnd;
+    const double to = more ? due_.front() : 1.0;
     for (std::size_t i = 0; i < kAt.size(); ++i) {
       const double s = from + (to - from) * kAt[i];
       double term = (to - from) * kWeight[i] * on_branch(nodes_->value(v, s));
@@ -194,10 +188,10 @@ void BranchPropagator::solve_inner_nodes(const double* moment, double* v) const 
   }
 }
 
-void BranchPropagator::broken_hold(double* v, std::size_t hold) {
+void BranchPropagator::broken_hold(double* v) {
   const double first = on_branch(v[0]);
   double moment[kMaxDegree] = {};
-  moments(v, hold, moment);
+  moments(v, moment);
   v[0] = first;
   v[nodes_->degree] = on_branch(v[nodes_->degree]);
   solve_inner_nodes(moment, v);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "chain/kernel.hpp"
@@ -8,7 +9,7 @@
 
 namespace bodesmith::simulate {
 
-/// y = P(u), P one of two polynomials by the direction of u some time earlier, over holds of equal length.
+/// y = f(u), f one of two curves by the direction of u some time earlier (MemoryKernel::has_branches).
 ///
 /// Turns are found where they are, as the roots of the slope of the input's polynomial, and the switch acts
 /// at its own time. A hold in which it does so cannot be a polynomial: its nodes are set so that both ends
@@ -16,30 +17,29 @@ namespace bodesmith::simulate {
 /// follow see the jump where it is up to order p in the hold (ends alone would leave order 1).
 class BranchPropagator {
  public:
-  /// False: this operator is not of that kind.
-  bool prepare(const chain::MemoryKernel& memory, double h, const HoldNodes& nodes);
   /// In place. Rests under the constant `before` until the first hold; returns the output there.
-  double run(double* signal, std::size_t holds, double before);
+  double run(const chain::MemoryKernel& memory, const HoldNodes& nodes, std::span<const HoldSpan> spans,
+             double* signal, double before);
 
  private:
   double on_branch(double u) const;
   void turn(double when, bool rising);
   bool is_constant(const double* v) const;
   /// Turns inside the hold, and at its begin, where the input came from `last`.
-  void find_turns(const double* v, std::size_t hold, double last, double noise);
-  void broken_hold(double* v, std::size_t hold);
+  void find_turns(const double* v, double last, double noise);
+  void run_hold(double* v);
+  void broken_hold(double* v);
   /// Moments 0 ... p - 2 of the output over the hold; the switch then stands as at its end.
-  void moments(const double* v, std::size_t hold, double* moment);
+  void moments(const double* v, double* moment);
   /// Inner nodes of v so that it has these moments; its ends stand.
   void solve_inner_nodes(const double* moment, double* v) const;
 
+  const chain::MemoryKernel* memory_ = nullptr;
   const HoldNodes* nodes_ = nullptr;
-  std::vector<double> up_;
-  std::vector<double> down_;
   double delay_ = 0.0;       ///< in holds
   bool rising_ = true;       ///< direction of the input
   bool branch_ = true;       ///< what the switch stands at
-  std::vector<double> due_;  ///< times at which the switch will toggle, in holds
+  std::vector<double> due_;  ///< times at which the switch will toggle, in holds from the begin of this one
   double quadrature_[kMaxDegree + 1] = {};
 };
 

@@ -51,7 +51,8 @@ void LinearPropagator::set_row(std::size_t node, const chain::LinearKernel& syst
   k_rows_[node] = constant;
 }
 
-void LinearPropagator::prepare(const chain::LinearKernel& system, double h, const HoldNodes& nodes) {
+void LinearPropagator::prepare(const chain::LinearKernel& system, double h, const HoldNodes& nodes,
+                               bool keeps_states) {
   order_ = system.order();
   degree_ = nodes.degree;
   gain_ = system.d;
@@ -62,7 +63,7 @@ void LinearPropagator::prepare(const chain::LinearKernel& system, double h, cons
   next_.resize(order_);
   by_modes_ = false;
   if (order_ == 0 && !delayed_) return;
-  if (order_ >= kLeastModes && prepare_modes(system, h, nodes)) return;
+  if (!keeps_states && order_ >= kLeastModes && prepare_modes(system, h, nodes)) return;
   seen_ = system.c;
   const std::array<const double*, 1> inputs = {system.b.data()};
   const DrivenSystem dynamics = driven(system, inputs);

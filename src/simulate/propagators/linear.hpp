@@ -14,7 +14,9 @@ namespace bodesmith::simulate {
 /// hold's degree. Systems of some size go by their modes where these are well conditioned, others by the full matrix.
 class LinearPropagator {
  public:
-  void prepare(const chain::LinearKernel& system, double h, const HoldNodes& nodes);
+  /// `keeps_states`: run() leaves the states at the end in x, to go on from; not by modes then.
+  void prepare(const chain::LinearKernel& system, double h, const HoldNodes& nodes,
+               bool keeps_states = false);
 
   /// u and y hold `holds` blocks of degree+1 node values and must not overlap. `x` starts the run and is used up.
   /// Before the delay has passed the output is `before`.

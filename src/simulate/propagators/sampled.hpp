@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "chain/kernel.hpp"
 #include "simulate/hold_response.hpp"
@@ -13,8 +14,8 @@ namespace bodesmith::simulate {
 void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u, double* y,
                  std::size_t holds, bool equilibrium, double* jumps = nullptr);
 
-/// A memory operator over holds of h seconds, node by node, in place. Returns the output at the start.
-double run_memory(chain::MemoryKernel& memory, const HoldNodes& nodes, double h, double* signal,
-                  std::size_t holds, bool equilibrium);
+/// A memory operator node by node, in place. Returns the output at the start.
+double run_memory(chain::MemoryKernel& memory, const HoldNodes& nodes, std::span<const HoldSpan> spans,
+                  double* signal, bool equilibrium);
 
 }  // namespace bodesmith::simulate

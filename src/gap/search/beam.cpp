@@ -133,11 +133,12 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     }
     const auto* best = best_of(setting, records, others.model, ranking);
     set.rivals[k] = {ranking, others.log_evidence};
-    if (best == nullptr || best->effect == set.model.terms()[k].effect) continue;
-    if (!(best->log_evidence > set.log_evidence + kPlainlyMore)) continue;
+    if (best == nullptr || !(best->log_evidence > set.log_evidence + kPlainlyMore)) continue;
+    // The same name again is what stands at better values or another place.
     auto other = with_candidate(others, *best, ranking);
-    other.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
-                                      best->effect->name(), set.model.terms()[k].effect->name()));
+    if (best->effect != set.model.terms()[k].effect)
+      other.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
+                                        best->effect->name(), set.model.terms()[k].effect->name()));
     other.model = fit_in_turn(setting, records, std::move(other.model)).model;
     weigh(records, other);
     return other;

@@ -31,9 +31,7 @@ inline std::vector<StageSample> stage_samples() {
     s.cam.realised = std::move(realised);
     s.late_periods = std::move(late);
     s.cam.more_numerators.resize(s.late_periods.size() - 1);
-    const auto h = s.cam.cam->transfers(s.cam, CapacitorUnits(s.cam.capacitors));
-    s.cam.z = h[0].in_z();
-    for (std::size_t i = 1; i < h.size(); ++i) s.cam.more_numerators[i - 1] = h[i].in_z().numerator;
+    s.cam.find_z();
     out.push_back(std::move(s));
   };
   add("FilterBilinear", "Low Pass", {{"Cin", 9}, {"Cint", 25}, {"Cout", 10}});

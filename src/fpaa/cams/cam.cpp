@@ -11,6 +11,12 @@
 
 namespace bodesmith::fpaa {
 
+void PlacedCam::find_z() {
+  const std::vector<DeltaTransfer> made = cam->transfers(*this, CapacitorUnits(capacitors));
+  z = made[0].in_z();
+  for (std::size_t i = 1; i < made.size(); ++i) more_numerators[i - 1] = made[i].in_z().numerator;
+}
+
 std::string_view PlacedCam::cam_name() const {
   return cam->name();
 }
@@ -29,13 +35,9 @@ std::string Cam::note(const PlacedCam&) const {
   return {};
 }
 
-DeltaTransfer Cam::transfer(const PlacedCam& cam, const CapacitorUnits&) const {
-  return in_delta(cam.z);
-}
-
-std::vector<DeltaTransfer> Cam::transfers(const PlacedCam& cam, const CapacitorUnits& units) const {
-  std::vector<DeltaTransfer> out{transfer(cam, units)};
-  for (std::size_t i = 2; i <= cam.input_count(); ++i) out.push_back(in_delta(cam.z_from(i)));
+std::vector<DeltaTransfer> Cam::transfers(const PlacedCam& cam, const CapacitorUnits&) const {
+  std::vector<DeltaTransfer> out;
+  for (std::size_t i = 1; i <= cam.input_count(); ++i) out.push_back(in_delta(cam.z_from(i)));
   return out;
 }
 
@@ -47,7 +49,7 @@ std::vector<Capacitor> Cam::vendor_capacitors(const PlacedCam& cam, std::span<co
   return cam.capacitors;
 }
 
-std::optional<StageSwitches> Cam::switches(const PlacedCam&) const {
+std::optional<StageSwitches> Cam::switches(const PlacedCam&, const CapacitorUnits&) const {
   return std::nullopt;
 }
 

@@ -16,6 +16,7 @@
 namespace bodesmith::fpaa {
 
 class CamStep;
+struct FilterStage;
 
 // A CAM goes through two types: what it is (Cam, one object each, in the registry) and what it is made of (PlacedCam:
 // capacitors, clock, place). Everything that is particular to one CAM stands in cams/<cam>.cpp.
@@ -83,11 +84,12 @@ class Cam {
   /// What a person should know of this CAM in a plan; empty: nothing.
   virtual std::string note(const PlacedCam& cam) const;
 
+  /// Makes `out` (whose clock is there) this CAM with the stage's capacitors; false where it makes other stages.
+  virtual bool place(const FilterStage&, PlacedCam&) const { return false; }
+
   // A placed CAM. Only CAMs that are used in plans are asked.
-  /// H of these capacitors, which need not be whole numbers; `cam` says option and form. (`cam.z` as it stands,
-  /// whatever the capacitors, where it is not known which of them makes what.)
-  virtual DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& units) const;
-  /// The same from every input, over one denominator.
+  /// H of these capacitors, which need not be whole numbers, from every input over one denominator; `cam` says option and form.
+  /// (`cam.z` as it stands, whatever the capacitors, where it is not known which of them makes what.)
   virtual std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& units) const;
   /// A CAM of other parts than switched capacitors at work (cam_step.hpp); null for the others, which are their
   /// switches.
@@ -95,9 +97,13 @@ class Cam {
   /// The capacitors as the vendor's component table of this CAM lists them.
   virtual std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,
                                                    std::span<const std::string> table) const;
-  /// Its switched-capacitor circuit, for primary streams and for ngspice; nothing where that is not publicly
-  /// known, or is not made of switched capacitors alone.
-  virtual std::optional<StageSwitches> switches(const PlacedCam& cam) const;
+  /// Its switched-capacitor circuit with these capacitors, for responses, primary streams and ngspice; nothing where that is not
+  /// publicly known, or is not made of switched capacitors alone.
+  virtual std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits& units) const;
+  /// The same with the capacitors that the plan says.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const {
+    return switches(cam, CapacitorUnits(cam.capacitors));
+  }
   /// Nothing when the Zrna client has no such module.
   virtual std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const;
   /// One line for the board's picture.

@@ -1,14 +1,7 @@
-#include "fpaa/cams/filter_bilinear.hpp"
-
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "base/text.hpp"
-#include "fpaa/cams/cam.hpp"
+#include "fpaa/cams/filter_stage.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -16,15 +9,6 @@ namespace {
 constexpr const char* kPoleAndZero = "Pole and Zero";
 constexpr const char* kLowPass = "Low Pass";
 constexpr const char* kHighPass = "High Pass";
-
-/// -(Ca + Cb D)/(Cc + Cd D), D = 1 - 1/z.
-DeltaTransfer pole_zero_form(double ca, double cb, double cc, double cd) {
-  return {{-ca, -cb}, {cc, cd}};
-}
-/// -Cin/(Cout + Cint D).
-DeltaTransfer low_pass_form(double cin, double cint, double cout) {
-  return {{-cin}, {cout, cint}};
-}
 
 CamFacts filter_bilinear_facts() {
   CamFacts f;
@@ -45,38 +29,15 @@ CamFacts filter_bilinear_facts() {
   return f;
 }
 
-class FilterBilinear : public Cam {
+/// One op-amp, one input: three capacitors, or four.
+class FilterBilinear : public FilterCam {
  public:
-  FilterBilinear() : Cam(filter_bilinear_facts()) {}
+  FilterBilinear() : FilterCam(filter_bilinear_facts()) {}
 
   std::string assumption() const override {
     return "FilterBilinear 'Pole and Zero' is taken to be H(z) = -(Ca + Cb(1 - 1/z))/(Cc + Cd(1 - 1/z)) with "
            "capacitors of 1 to 255 units; the vendor does not publish its topology. AnadigmDesigner2 chooses "
            "capacitors itself: type the realised parameters and compare what it reports.";
-  }
-
-  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    if (cam.option == kLowPass) return low_pass_form(c["Cin"], c["Cint"], c["Cout"]);
-    return pole_zero_form(c["Ca"], c["Cb"], c["Cc"], c["Cd"]);  // high pass: no Ca
-  }
-
-  /// The low pass is the vendor's; the pole-zero form is made by GainInv's switches with four different values
-  /// (the high pass: without Ca). AD2's own layout of the latter two is in no public stream.
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
-    const auto units = [&](const char* name) { return cam.units_of(name); };
-    const PlateNode in = PlateNode::input();
-    const PlateNode out = PlateNode::opamp();
-    StageSwitches s;
-    if (cam.option == kLowPass) {
-      s.capacitors = {switched_branch("Cin", units("Cin"), in), switched_branch("Cout", units("Cout"), out),
-                      static_branch("Cint", units("Cint"), out)};
-      return s;
-    }
-    s.capacitors = {static_branch("Cb", units("Cb"), in)};
-    if (cam.option == kPoleAndZero) s.capacitors.push_back(switched_branch("Ca", units("Ca"), in));
-    s.capacitors.push_back(static_branch("Cd", units("Cd"), out));
-    s.capacitors.push_back(switched_branch("Cc", units("Cc"), out));
-    return s;
   }
 
   std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const override {
@@ -92,69 +53,35 @@ class FilterBilinear : public Cam {
   }
 
   std::string picture_text(const PlacedCam& cam) const override {
-    if (cam.option == kPoleAndZero) {
-      const PoleZeroSpec spec = PoleZeroSpec::from(cam.realised);
-      return fmt::format("zero {} · pole {}", engineering_text(spec.zero.value, "Hz", 4),
-                         engineering_text(spec.pole.value, "Hz", 4));
-    }
-    return "corner " + engineering_text(CornerSpec::from(cam.realised).corner.value, "Hz", 4);
+    const auto hz = [&](const char* key) {
+      return engineering_text(cam.realised.required_number(key), "Hz", 4);
+    };
+    if (cam.option == kPoleAndZero) return fmt::format("zero {} · pole {}", hz("zero_hz"), hz("pole_hz"));
+    return "corner " + hz("corner_hz");
   }
+
+ protected:
+  std::vector<Named> names(const PlacedCam& cam) const override {
+    if (cam.option == kLowPass) return {{"Cin", 0}, {"Cint", 3}, {"Cout", 2}};
+    return {{"Ca", 0}, {"Cb", 1}, {"Cc", 2}, {"Cd", 3}};  // high pass: no Ca
+  }
+  bool makes(const FilterStage& stage) const override { return stage.is_first() && stage.inputs() == 1; }
+  std::string option_of(const FilterStage& stage) const override {
+    return !(stage.c[1] > 0.0) ? kLowPass : stage.c[0] > 0.0 ? kPoleAndZero : kHighPass;
+  }
+  CamValues shown(const FilterStage& stage, Hertz clock) const override {
+    const auto& c = stage.c;
+    const double pole = stage.corner(clock).value;
+    if (!(c[0] > 0.0 && c[1] > 0.0)) return {{"corner_hz", pole}, {"gain", stage.gain()}};
+    return {{"pole_hz", pole},
+            {"zero_hz", branch_corner(c[0], c[1], clock).value},
+            {"dc_gain", stage.gain()},
+            {"high_frequency_gain", (c[0] + 2.0 * c[1]) / (c[2] + 2.0 * c[3])}};
+  }
+  FilterStage form(const PlacedCam&) const override { return {.c = std::vector<double>(4)}; }
 };
 
 }  // namespace
-
-Hertz branch_corner(double c0, double c1, Hertz clock) {
-  return {clock.value / std::numbers::pi * std::atan(c0 / (c0 + 2.0 * c1))};
-}
-
-CamValues PoleZeroSpec::values() const {
-  return {{"pole_hz", pole.value},
-          {"zero_hz", zero.value},
-          {"dc_gain", dc_gain},
-          {"high_frequency_gain", high_frequency_gain}};
-}
-
-PoleZeroSpec PoleZeroSpec::from(const CamValues& values) {
-  return {{values.required_number("pole_hz")},
-          {values.required_number("zero_hz")},
-          values.number("dc_gain").value_or(1.0),
-          values.number("high_frequency_gain").value_or(1.0)};
-}
-
-CamValues CornerSpec::values() const {
-  return {{"corner_hz", corner.value}, {"gain", gain}};
-}
-
-CornerSpec CornerSpec::from(const CamValues& values) {
-  return {{values.required_number("corner_hz")}, values.number("gain").value_or(1.0)};
-}
-
-ZTransfer PoleZeroCapacitors::transfer() const {
-  return pole_zero_form(ca, cb, cc, cd).in_z();
-}
-Hertz PoleZeroCapacitors::zero(Hertz clock) const {
-  return branch_corner(ca, cb, clock);
-}
-Hertz PoleZeroCapacitors::pole(Hertz clock) const {
-  return branch_corner(cc, cd, clock);
-}
-PoleZeroSpec PoleZeroCapacitors::realised(Hertz clock) const {
-  return {pole(clock), zero(clock), dc_gain(), high_frequency_gain()};
-}
-
-ZTransfer LowPassCapacitors::transfer() const {
-  return low_pass_form(cin, cint, cout).in_z();
-}
-Hertz LowPassCapacitors::corner(Hertz clock) const {
-  return branch_corner(cout, cint, clock);
-}
-
-ZTransfer HighPassCapacitors::transfer() const {
-  return pole_zero_form(0.0, cb, cc, cd).in_z();
-}
-Hertz HighPassCapacitors::corner(Hertz clock) const {
-  return branch_corner(cc, cd, clock);
-}
 
 BODESMITH_ENTRY(Cam, filter_bilinear_cam, FilterBilinear)
 

@@ -1,14 +1,7 @@
-#include "fpaa/cams/filter_biquad.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "base/text.hpp"
-#include "fpaa/cams/biquad_stage.hpp"
-#include "fpaa/cams/cam.hpp"
+#include "fpaa/cams/filter_stage.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -16,36 +9,29 @@ namespace {
 /// The value of "form" among the realised parameters.
 constexpr const char* kHighQ = "high Q";
 
-/// H of one input capacitor alone: the stage with all three without the others' powers of D.
-DeltaTransfer transfer_of_one_input(const BiquadStageCapacitors& c) {
-  DeltaTransfer h = c.transfer();
-  while (h.numerator.size() > 1 && h.numerator.back() == 0.0) h.numerator.pop_back();
-  return h;
-}
-
 CamFacts filter_biquad_facts() {
   CamFacts f;
   f.name = "FilterBiquad";
   f.options = {"Low Pass", "Band Pass", "High Pass", "Pole and Zero"};
   f.parameters = {{"corner_hz", "Corner Frequency", true}, {"quality", "Quality Factor"}, {"gain", "Gain"}};
   f.resources = Resources{.opamps = 2, .capacitors = 8};
-  f.transfer = "see biquad_stage.hpp; Pole and Zero: not publicly known, not made";
+  f.transfer = "see filter_stage.hpp; Pole and Zero: not publicly known, not made";
   f.transfer_ground = Ground::assumed;
   f.limits = "CA and CB to 510 units, the others to 255";
   return f;
 }
 
-class FilterBiquad : public Cam {
+/// The stage of two op-amps with one input: C1 (option Low Pass), Cp (Band Pass) or Cpp (High Pass). CA and CB are each split over two
+/// banks (up to 510 units). The low-pass form is derived from vendor code; band and high pass are the standard circuit that has the
+/// vendor's gains (assumed).
+class FilterBiquad : public FilterCam {
  public:
-  FilterBiquad() : Cam(filter_biquad_facts()) {}
-
-  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    return transfer_of_one_input(form_of(cam, c));
-  }
+  FilterBiquad() : FilterCam(filter_biquad_facts()) {}
 
   /// CA and CB are two banks each.
   std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,
                                            std::span<const std::string>) const override {
+    constexpr int kUnitsOfBank = 255;
     std::vector<Capacitor> out;
     for (const Capacitor& c : cam.capacitors) {
       if (c.name == "CA" || c.name == "CB") {
@@ -57,10 +43,6 @@ class FilterBiquad : public Cam {
       }
     }
     return out;
-  }
-
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
-    return form_of(cam, CapacitorUnits(cam.capacitors)).switches(true);
   }
 
   std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const override {
@@ -76,28 +58,31 @@ class FilterBiquad : public Cam {
   }
 
   std::string picture_text(const PlacedCam& cam) const override {
-    return "corner " + engineering_text(BiquadSpec::from(cam.realised).corner.value, "Hz", 4);
+    return "corner " + engineering_text(cam.realised.required_number("corner_hz"), "Hz", 4);
   }
 
- private:
-  static constexpr int kUnitsOfBank = 255;
-
-  static BiquadStageCapacitors form_of(const PlacedCam& cam, const CapacitorUnits& c) {
-    return BiquadStageCapacitors::from(c, cam.realised.text("form") == kHighQ, true);
+ protected:
+  std::vector<Named> names(const PlacedCam&) const override { return second_order_named(); }
+  bool makes(const FilterStage& stage) const override { return !stage.is_first() && stage.is_vendors(); }
+  std::string option_of(const FilterStage& stage) const override {
+    return stage.c[FilterStage::kC1] > 0.0   ? "Low Pass"
+           : stage.c[FilterStage::kCp] > 0.0 ? "Band Pass"
+                                             : "High Pass";
   }
+  CamValues shown(const FilterStage& stage, Hertz clock) const override {
+    return {{"corner_hz", stage.corner(clock).value},
+            {"quality", stage.quality()},
+            {"gain", stage.gain()},
+            {"form", std::string(stage.kind == FilterStage::Kind::second_high ? kHighQ : "low Q")}};
+  }
+  FilterStage form(const PlacedCam& cam) const override {
+    const bool high = cam.realised.text("form") == kHighQ;
+    return {high ? FilterStage::Kind::second_high : FilterStage::Kind::second_low, std::vector<double>(8)};
+  }
+  bool banks() const override { return true; }
 };
 
 }  // namespace
-
-CamValues BiquadSpec::values() const {
-  return {{"corner_hz", corner.value}, {"quality", quality}, {"gain", gain}};
-}
-
-BiquadSpec BiquadSpec::from(const CamValues& values) {
-  return {{values.required_number("corner_hz")},
-          values.number("quality").value_or(1.0),
-          values.number("gain").value_or(1.0)};
-}
 
 BODESMITH_ENTRY(Cam, filter_biquad_cam, FilterBiquad)
 

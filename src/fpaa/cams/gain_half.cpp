@@ -22,18 +22,18 @@ class GainHalfCam : public Cam {
  public:
   GainHalfCam() : Cam(gain_half_facts()) {}
 
-  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    return {{(cam.option == kGainHalfNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}};
+  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    return {DeltaTransfer{{(cam.option == kGainHalfNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}}};
   }
 
   /// SumDiff with one input.
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
-    StageCapacitor in = half_period_branch("Cin", cam.units_of("Cin"), PlateNode::input());
+  std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    StageCapacitor in = half_period_branch("Cin", c["Cin"], PlateNode::input());
     if (cam.option == kGainHalfNonInverting) in.near = in.near.mirrored();
     StageSwitches s;
     s.opamps = {{.reset_phase = 2}};
     s.output_phase = 1;
-    s.capacitors = {in, half_period_branch("Cout", cam.units_of("Cout"), PlateNode::opamp())};
+    s.capacitors = {in, half_period_branch("Cout", c["Cout"], PlateNode::opamp())};
     return cam.phase == 2 ? s.mirrored() : s;
   }
 };

@@ -26,17 +26,17 @@ class GainHoldCam : public Cam {
  public:
   GainHoldCam() : Cam(gain_hold_facts()) {}
 
-  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    return {{(cam.option == kGainHoldNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}};
+  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    return {DeltaTransfer{{(cam.option == kGainHoldNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}}};
   }
 
   /// Cin and Cout are emptied in the other phase, while the third capacitor keeps the output.
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
-    StageCapacitor in = half_period_branch("Cin", cam.units_of("Cin"), PlateNode::input());
+  std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    StageCapacitor in = half_period_branch("Cin", c["Cin"], PlateNode::input());
     if (cam.option == kGainHoldNonInverting) in.near = in.near.mirrored();
     StageSwitches s;
     s.capacitors = {in,
-                    half_period_branch("Cout", cam.units_of("Cout"), PlateNode::opamp()),
+                    half_period_branch("Cout", c["Cout"], PlateNode::opamp()),
                     {"Chold",
                      GainHold::kHoldUnits,
                      Plate::fixed(PlateNode::opamp()),

@@ -31,8 +31,8 @@ class GainInv : public Cam {
     return "GainInv is there to keep the total sign (every FilterBilinear inverts) or to carry gain.";
   }
 
-  DeltaTransfer transfer(const PlacedCam&, const CapacitorUnits& c) const override {
-    return {{-c["Cin"]}, {c["Cout"]}};
+  std::vector<DeltaTransfer> transfers(const PlacedCam&, const CapacitorUnits& c) const override {
+    return {DeltaTransfer{{-c["Cin"]}, {c["Cout"]}}};
   }
 
   /// The pair may be there twice.
@@ -48,9 +48,9 @@ class GainInv : public Cam {
   }
 
   /// Both ratios twice, static and switched: the output is right in both phases.
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
-    const int cin = cam.units_of("Cin");
-    const int cout = cam.units_of("Cout");
+  std::optional<StageSwitches> switches(const PlacedCam&, const CapacitorUnits& c) const override {
+    const double cin = c["Cin"];
+    const double cout = c["Cout"];
     StageSwitches s;
     s.capacitors = {
         static_branch("aCin", cin, PlateNode::input()), switched_branch("Cin", cin, PlateNode::input()),

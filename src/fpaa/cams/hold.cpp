@@ -24,7 +24,7 @@ class HoldCam : public Cam {
   HoldCam() : Cam(hold_facts()) {}
 
   /// It samples in the phase that is stated; the output is new in the other one.
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+  std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits&) const override {
     using Node = PlateNode;
     const Node virtual_ground = Node::virtual_ground();
     StageSwitches s;

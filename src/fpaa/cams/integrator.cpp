@@ -22,18 +22,18 @@ class IntegratorCam : public Cam {
  public:
   IntegratorCam() : Cam(integrator_facts()) {}
 
-  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    if (cam.option == kNonInverting) return {{c["Cin"], -c["Cin"]}, {0.0, c["Cint"]}};
-    return {{-c["Cin"]}, {0.0, c["Cint"]}};
+  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    if (cam.option == kNonInverting) return {DeltaTransfer{{c["Cin"], -c["Cin"]}, {0.0, c["Cint"]}}};
+    return {DeltaTransfer{{-c["Cin"]}, {0.0, c["Cint"]}}};
   }
 
   /// Not inverting: Cin takes up the input in phase 1 and gives it in phase 2, so that the sample is in the
   /// next phase 1 for the first time.
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
-    StageCapacitor in = switched_branch("Cin", cam.units_of("Cin"), PlateNode::input());
+  std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    StageCapacitor in = switched_branch("Cin", c["Cin"], PlateNode::input());
     if (cam.option == kNonInverting) in.far = in.far.mirrored();
     StageSwitches s;
-    s.capacitors = {in, static_branch("Cint", cam.units_of("Cint"), PlateNode::opamp())};
+    s.capacitors = {in, static_branch("Cint", c["Cint"], PlateNode::opamp())};
     return s;
   }
 };

@@ -26,12 +26,11 @@ struct Capacitor {
 class CapacitorUnits {
  public:
   explicit CapacitorUnits(std::span<const Capacitor> capacitors);
+  /// Of these sizes, in the order of the capacitors; one that is there is never quite 0.
+  CapacitorUnits(std::span<const Capacitor> capacitors, std::span<const double> units);
 
   /// 0 for a capacitor that is not there.
   double operator[](std::string_view name) const;
-  void set(std::string_view name, double units);
-  /// In the order of the capacitors.
-  std::span<double> values() { return units_; }
 
  private:
   std::span<const Capacitor> capacitors_;  ///< for their names
@@ -62,8 +61,8 @@ struct PlacedCam {
   std::size_t input_count() const { return 1 + more_numerators.size(); }
   /// From one input (counted from 1) to the output, without delay and hold.
   ZTransfer z_from(std::size_t input) const;
-  /// Of one capacitor; 0 for one that is not there.
-  int units_of(std::string_view capacitor) const;
+  /// z and more_numerators (as many as there are) as the capacitors make them.
+  void find_z();
 };
 
 }  // namespace bodesmith::fpaa

@@ -50,20 +50,20 @@ class SumDiffCam : public Cam {
   }
 
   /// Gains below 0 invert.
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+  std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits& c) const override {
     StageSwitches s;
     s.opamps = {{.reset_phase = 2}};
     s.output_phase = 1;
     for (int i = 1; i <= 4; ++i) {
       const std::string name = fmt::format("Cin{}", i);
-      const int units = cam.units_of(name);
+      const double units = c[name];
       const auto gain = cam.realised.number(fmt::format("gain_{}", i));
-      if (units == 0 || !gain) continue;
-      StageCapacitor c = half_period_branch(name, units, PlateNode::input(i));
-      if (*gain > 0.0) c.near = c.near.mirrored();
-      s.capacitors.push_back(c);
+      if (!(units > 0.0) || !gain) continue;
+      StageCapacitor in = half_period_branch(name, units, PlateNode::input(i));
+      if (*gain > 0.0) in.near = in.near.mirrored();
+      s.capacitors.push_back(in);
     }
-    s.capacitors.push_back(half_period_branch("Cout", cam.units_of("Cout"), PlateNode::opamp()));
+    s.capacitors.push_back(half_period_branch("Cout", c["Cout"], PlateNode::opamp()));
     return cam.phase == 2 ? s.mirrored() : s;
   }
   std::string picture_text(const PlacedCam& cam) const override {

@@ -22,16 +22,16 @@ class SumFilterCam : public Cam {
 
   std::vector<DeltaTransfer> transfers(const PlacedCam&, const CapacitorUnits& c) const override {
     const std::vector<double> denominator{c["Cout"], c["Cint"]};
-    return {{{-c["C1"]}, denominator}, {{-c["C2"]}, denominator}};
+    return {DeltaTransfer{{-c["C1"]}, denominator}, DeltaTransfer{{-c["C2"]}, denominator}};
   }
 
   /// Taken to be the FilterBilinear low pass with a second input branch.
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+  std::optional<StageSwitches> switches(const PlacedCam&, const CapacitorUnits& c) const override {
     StageSwitches s;
-    s.capacitors = {switched_branch("C1", cam.units_of("C1"), PlateNode::input(1)),
-                    switched_branch("C2", cam.units_of("C2"), PlateNode::input(2)),
-                    switched_branch("Cout", cam.units_of("Cout"), PlateNode::opamp()),
-                    static_branch("Cint", cam.units_of("Cint"), PlateNode::opamp())};
+    s.capacitors = {switched_branch("C1", c["C1"], PlateNode::input(1)),
+                    switched_branch("C2", c["C2"], PlateNode::input(2)),
+                    switched_branch("Cout", c["Cout"], PlateNode::opamp()),
+                    static_branch("Cint", c["Cint"], PlateNode::opamp())};
     return s;
   }
 };

@@ -1,23 +1,9 @@
-#include "fpaa/cams/sum_inv.hpp"
-
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "fpaa/cams/cam.hpp"
+#include "fpaa/cams/filter_stage.hpp"
 
 namespace bodesmith::fpaa {
-
-std::vector<Capacitor> SumInvCapacitors::named() const {
-  std::vector<Capacitor> out;
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    out.push_back({fmt::format("Cin{}", i + 1), inputs[i].cin});
-    if (inputs[i].acin > 0) out.push_back({fmt::format("aCin{}", i + 1), inputs[i].acin});
-  }
-  out.push_back({"Cout", cout});
-  out.push_back({"aCout", acout});
-  return out;
-}
-
 namespace {
 
 CamFacts sum_inv_facts() {
@@ -33,9 +19,11 @@ CamFacts sum_inv_facts() {
   return f;
 }
 
-class SumInv : public Cam {
+/// The whole-period sum of 1 to 6 inputs, one op-amp. aCin_i = Cin_i and aCout = Cout is the plain gain that AnadigmDesigner2 makes;
+/// without aCin an input is a fast low pass (corner about fc Cout/aCout), with more of it the input leads.
+class SumInv : public FilterCam {
  public:
-  SumInv() : Cam(sum_inv_facts()) {}
+  SumInv() : FilterCam(sum_inv_facts()) {}
 
   /// As AnadigmDesigner2 makes it: two capacitors an input, two of feedback.
   std::optional<Resources> resources(std::size_t inputs) const override {
@@ -48,33 +36,6 @@ class SumInv : public Cam {
            "makes pairs of equal ones, up to three inputs.";
   }
 
-  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    return transfers(cam, c).front();
-  }
-
-  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    std::vector<DeltaTransfer> out;
-    for (std::size_t i = 1; i <= cam.input_count(); ++i) {
-      out.push_back({{-c[fmt::format("Cin{}", i)], -c[fmt::format("aCin{}", i)]}, {c["Cout"], c["aCout"]}});
-    }
-    return out;
-  }
-
-  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
-    StageSwitches s;
-    const auto add = [&](const std::string& name, PlateNode from) {
-      const int fixed = cam.units_of("a" + name);
-      if (fixed > 0) s.capacitors.push_back(static_branch("a" + name, fixed, from));
-      s.capacitors.push_back(switched_branch(name, cam.units_of(name), from));
-    };
-    for (std::size_t i = 1; i <= cam.input_count(); ++i) {
-      add(fmt::format("Cin{}", i), PlateNode::input(static_cast<int>(i)));
-    }
-    // The feedback as in GainInv, though here every capacitor has a value of its own.
-    add("Cout", PlateNode::opamp());
-    return s;
-  }
-
   std::string picture_text(const PlacedCam& cam) const override {
     std::string out = "gains";
     for (std::size_t i = 1; i <= cam.input_count(); ++i) {
@@ -85,13 +46,40 @@ class SumInv : public Cam {
 
   /// Up to three inputs of equal pairs.
   bool in_vendor_menu(const PlacedCam& cam) const override {
-    if (cam.input_count() > 3 || cam.units_of("Cout") != cam.units_of("aCout")) return false;
-    for (std::size_t i = 1; i <= cam.input_count(); ++i) {
-      if (cam.units_of(fmt::format("Cin{}", i)) != cam.units_of(fmt::format("aCin{}", i))) return false;
+    const CapacitorUnits c(cam.capacitors);
+    const std::vector<Named> all = names(cam);
+    for (std::size_t i = 0; i < all.size(); i += 2) {
+      if (c[all[i].name] != c[all[i + 1].name]) return false;
     }
-    return true;
+    return cam.input_count() <= 3;
   }
   bool is_gain() const override { return true; }
+
+ protected:
+  std::vector<Named> names(const PlacedCam& cam) const override {
+    std::vector<Named> out;
+    const auto add = [&](const std::string& name) {
+      out.push_back({name, out.size()});
+      out.push_back({"a" + name, out.size()});
+    };
+    for (std::size_t i = 1; i <= cam.input_count(); ++i) add(fmt::format("Cin{}", i));
+    add("Cout");
+    return out;
+  }
+  bool makes(const FilterStage& stage) const override { return stage.is_first() && stage.inputs() > 1; }
+  std::string option_of(const FilterStage& stage) const override {
+    return fmt::format("{} inputs", stage.inputs());
+  }
+  CamValues shown(const FilterStage& stage, Hertz) const override {
+    CamValues out;
+    const std::size_t n = stage.inputs();
+    for (std::size_t i = 0; i < n; ++i)
+      out.set(fmt::format("gain_{}", i + 1), stage.c[2 * i] / stage.c[2 * n]);
+    return out;
+  }
+  FilterStage form(const PlacedCam& cam) const override {
+    return {.c = std::vector<double>(2 * cam.input_count() + 2)};
+  }
 };
 
 }  // namespace

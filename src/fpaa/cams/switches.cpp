@@ -27,25 +27,25 @@ StageSwitches StageSwitches::mirrored() const {
   return out;
 }
 
-StageCapacitor switched_branch(std::string name, int units, PlateNode from, int opamp) {
+StageCapacitor switched_branch(std::string name, double units, PlateNode from, int opamp) {
   return {std::move(name),
           units,
           {from, PlateNode::ground()},
           {PlateNode::virtual_ground(opamp), PlateNode::ground()}};
 }
 
-StageCapacitor static_branch(std::string name, int units, PlateNode from, int opamp) {
+StageCapacitor static_branch(std::string name, double units, PlateNode from, int opamp) {
   return {std::move(name), units, Plate::fixed(from), Plate::fixed(PlateNode::virtual_ground(opamp))};
 }
 
-StageCapacitor delayed_branch(std::string name, int units, PlateNode from, int opamp) {
+StageCapacitor delayed_branch(std::string name, double units, PlateNode from, int opamp) {
   return {std::move(name),
           units,
           {PlateNode::ground(), from},
           {PlateNode::virtual_ground(opamp), PlateNode::ground()}};
 }
 
-StageCapacitor half_period_branch(std::string name, int units, PlateNode from, int opamp) {
+StageCapacitor half_period_branch(std::string name, double units, PlateNode from, int opamp) {
   return {
       std::move(name), units, {from, PlateNode::ground()}, Plate::fixed(PlateNode::virtual_ground(opamp))};
 }

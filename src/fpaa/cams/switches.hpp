@@ -38,10 +38,10 @@ struct Plate {
 };
 
 struct StageCapacitor {
-  std::string name;  ///< as PlacedCam::capacitors has it; banks of one capacitor end in 1, 2
-  int units = 0;
-  Plate near;  ///< the plate that selects a source
-  Plate far;   ///< the plate at an op-amp's inverting input
+  std::string name;    ///< as PlacedCam::capacitors has it; banks of one capacitor end in 1, 2
+  double units = 0.0;  ///< whole, unless they were drawn
+  Plate near;          ///< the plate that selects a source
+  Plate far;           ///< the plate at an op-amp's inverting input
 };
 
 struct StageOpAmp {
@@ -62,12 +62,12 @@ struct StageSwitches {
 };
 
 /// Inverting, without delay: at `from` and at the virtual ground in phase 1, emptied in phase 2.
-StageCapacitor switched_branch(std::string name, int units, PlateNode from, int opamp = 1);
+StageCapacitor switched_branch(std::string name, double units, PlateNode from, int opamp = 1);
 /// Always at `from` and at the virtual ground.
-StageCapacitor static_branch(std::string name, int units, PlateNode from, int opamp = 1);
+StageCapacitor static_branch(std::string name, double units, PlateNode from, int opamp = 1);
 /// Not inverting, late: takes up `from` in phase 2, gives it to the virtual ground in phase 1.
-StageCapacitor delayed_branch(std::string name, int units, PlateNode from, int opamp = 1);
+StageCapacitor delayed_branch(std::string name, double units, PlateNode from, int opamp = 1);
 /// Inverting in phase 1 with an op-amp that is reset in phase 2: its far plate stays at the virtual ground.
-StageCapacitor half_period_branch(std::string name, int units, PlateNode from, int opamp = 1);
+StageCapacitor half_period_branch(std::string name, double units, PlateNode from, int opamp = 1);
 
 }  // namespace bodesmith::fpaa

@@ -44,20 +44,6 @@ double ZTransfer::dc_gain() const {
   return sum(numerator) / bottom;
 }
 
-bool ZTransfer::is_stable() const {
-  std::vector<double> a = denominator;
-  while (a.size() > 1 && a.back() == 0.0) a.pop_back();
-  // Schur-Cohn: reduce the degree as long as the reflection coefficient is inside the unit circle.
-  while (a.size() > 1) {
-    const double reflection = a.back() / a.front();
-    if (!(std::abs(reflection) < 1.0)) return false;
-    std::vector<double> next(a.size() - 1);
-    for (std::size_t i = 0; i + 1 < a.size(); ++i) next[i] = a[i] - reflection * a[a.size() - 1 - i];
-    a = std::move(next);
-  }
-  return a.front() != 0.0;
-}
-
 std::complex<double> DeltaTransfer::response(RadPerSecond w, Hertz clock) const {
   const std::complex<double> d = 1.0 - std::polar(1.0, -w.value / clock.value);
   return polynomial(numerator, d) / polynomial(denominator, d);

@@ -17,8 +17,6 @@ struct ZTransfer {
   std::complex<double> response(RadPerSecond w, Hertz clock) const;
   /// H(1); infinite for an integrator.
   double dc_gain() const;
-  /// True when every root of the denominator lies inside the unit circle (first and second order).
-  bool is_stable() const;
 };
 
 /// The same transfer in powers of D = 1 - 1/z, the form in which switched-capacitor circuits are written

@@ -11,7 +11,7 @@
 #include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/comparator.hpp"
-#include "fpaa/cams/filter_bilinear.hpp"
+#include "fpaa/cams/filter_stage.hpp"
 #include "fpaa/cams/gain_hold.hpp"
 #include "fpaa/cams/gain_switch.hpp"
 #include "fpaa/cams/hold.hpp"
@@ -139,18 +139,22 @@ class ControllerLayout {
     return made;
   }
 
+  /// A FilterBilinear at the reference.
+  ControllerCam filtered(const std::string& name, std::vector<double> capacitors) const {
+    const Cam& cam = *cam_registry().find("FilterBilinear");
+    ControllerCam out = made(name, cam, "", {"r"}, {});
+    cam.place({.c = std::move(capacitors)}, out);
+    return out;
+  }
+
   /// The sign of the reference's slope: a high pass, a gain that may clip, a comparator. Beside the board
   /// where the switch stands there too.
   void add_slope_detector() {
     if (switches_outside()) return;
     const double clock = options_.fast_clock.value;
     const int cd = std::clamp(nearest_whole<int>(kSlopeTimeConstant * clock), 1, board_.max_capacitor);
-    const HighPassCapacitors high_pass{board_.max_capacitor, 1, cd};
-    ControllerCam& filter = add("SlopeFilter", filter_bilinear_cam(), "High Pass", {"r"},
-                                CornerSpec{high_pass.corner(options_.fast_clock), high_pass.gain()}.values());
-    filter.capacitors = {{"Cb", high_pass.cb}, {"Cc", high_pass.cc}, {"Cd", high_pass.cd}};
-    filter.z = high_pass.transfer();
-    filter.resources = {.opamps = 1, .capacitors = 3};
+    out_.cams.push_back(
+        filtered("SlopeFilter", {0, static_cast<double>(board_.max_capacitor), 1, static_cast<double>(cd)}));
     ControllerCam& gain = add("SlopeGain", gain_hold_cam(), "Inverting", {"SlopeFilter"});
     gain.weights = {-kSlopeGain};
     set_weights(gain, 1.0, board_.max_capacitor);
@@ -163,13 +167,8 @@ class ControllerLayout {
     // -1/(1 + n (1 - 1/z)) is late by n cycles. It inverts, so that the sum's own input does so without
     // delay.
     const double cycles = age(prefix + "Output", 1) * options_.fast_clock.value;
-    const int cout = std::max(1, whole_number<int>(board_.max_capacitor / std::max(1.0, cycles)));
-    const LowPassCapacitors low_pass{cout, nearest_whole<int>(cycles * cout), cout};
-    ControllerCam filter = made(delay, filter_bilinear_cam(), "Low Pass", {"r"},
-                                CornerSpec{low_pass.corner(options_.fast_clock), low_pass.gain()}.values());
-    filter.capacitors = {{"Cin", low_pass.cin}, {"Cint", low_pass.cint}, {"Cout", low_pass.cout}};
-    filter.z = low_pass.transfer();
-    filter.resources = {.opamps = 1, .capacitors = 3};
+    const double cout = std::max(1, whole_number<int>(board_.max_capacitor / std::max(1.0, cycles)));
+    ControllerCam filter = filtered(delay, {cout, 0, cout, std::round(cycles * cout)});
     filter.group = find(prefix + "Output")->group;
     const auto output = std::find_if(out_.cams.begin(), out_.cams.end(),
                                      [&](const ControllerCam& c) { return c.name == prefix + "Output"; });

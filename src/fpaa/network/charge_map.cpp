@@ -323,13 +323,13 @@ class StageNodes {
 
 }  // namespace
 
-SwitchedNetwork network_of(const StageSwitches& stage, std::span<const double> units) {
+SwitchedNetwork network_of(const StageSwitches& stage) {
   StageNodes out(stage);
-  for (std::size_t c = 0; c < stage.capacitors.size(); ++c) {
-    if (!(units[c] > 0.0)) continue;
-    const int near = out.plate(stage.capacitors[c].near);
-    const int far = out.plate(stage.capacitors[c].far);
-    out.network.capacitors.push_back({stage.capacitors[c].name, near, far, units[c]});
+  for (const StageCapacitor& c : stage.capacitors) {
+    if (!(c.units > 0.0)) continue;
+    const int near = out.plate(c.near);
+    const int far = out.plate(c.far);
+    out.network.capacitors.push_back({c.name, near, far, c.units});
   }
   for (std::size_t k = 0; k < stage.opamps.size(); ++k) {
     if (stage.opamps[k].reset_phase == 0) continue;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -37,9 +36,8 @@ struct SwitchedNetwork {
   int add_node() { return nodes++; }
 };
 
-/// A stage's circuit, its one clock being clock 0, with capacitors of any size (in the order of the stage's; of
-/// another number of units than the stage says where they were drawn).
-SwitchedNetwork network_of(const StageSwitches& stage, std::span<const double> units);
+/// A stage's circuit, its one clock being clock 0.
+SwitchedNetwork network_of(const StageSwitches& stage);
 
 /// A network while its switches stand still. What is conserved is the charge of every group of joined nodes that
 /// nothing holds; with q those charges and u the inputs, all at the same instant,

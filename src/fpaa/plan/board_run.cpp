@@ -21,9 +21,7 @@ constexpr int kDeepest = 200;
 std::optional<ClockedNetwork> network_of_cam(const PlacedCam& cam, std::int64_t period) {
   const auto stage = cam.cam->switches(cam);
   if (!stage || stage->capacitors.empty()) return std::nullopt;
-  std::vector<double> units;
-  for (const StageCapacitor& c : stage->capacitors) units.push_back(c.units);
-  return ClockedNetwork(network_of(*stage, units), {period});
+  return ClockedNetwork(network_of(*stage), {period});
 }
 
 }  // namespace

@@ -8,58 +8,31 @@
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
-namespace {
-
-/// Units of a stage's capacitors where those of its CAM are `units`: a capacitor of two banks ("CA1", "CA2") shares
-/// the CAM's ("CA"), the static one of a gain's pair ("aCin") is as the other ("Cin"), one that the CAM does not name
-/// (a hold's) keeps its own.
-std::vector<double> stage_units(const StageSwitches& stage, const PlacedCam& cam,
-                                std::span<const double> units) {
-  std::vector<double> out;
-  for (const StageCapacitor& c : stage.capacitors) {
-    const std::string_view name = c.name;
-    double found = c.units;
-    for (const std::string_view known :
-         {name, name.substr(0, name.size() - 1), name[0] == 'a' ? name.substr(1) : name}) {
-      const auto at = std::find_if(cam.capacitors.begin(), cam.capacitors.end(),
-                                   [&](const Capacitor& own) { return own.name == known; });
-      if (at == cam.capacitors.end()) continue;
-      const double whole = std::max(1, at->units);
-      found = units[static_cast<std::size_t>(at - cam.capacitors.begin())] *
-              (known == name ? 1.0 : c.units / whole);
-      break;
-    }
-    out.push_back(found);
-  }
-  return out;
-}
-
-}  // namespace
-
 SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
     : graph_(value_or_throw(plan_graph(plan))), networks_(graph_.tick_rate) {
   if (graph_.looped) {
     throw DesignError("the plan's wires loop, which has no response of this kind: simulate it instead");
   }
+  std::vector<std::size_t> inputs;
   for (const PlanGraph::PlanNode& node : graph_.nodes) {
     first_capacitor_.push_back(units_.size());
     for (const Capacitor& c : node.cam->capacitors) {
       units_.push_back(c.units);
       names_.push_back(node.name + "." + c.name);
     }
-    auto stage = node.cam->cam->switches(*node.cam);
+    const auto stage = node.cam->cam->switches(*node.cam);
     if (!stage) {
       throw DesignError(
           fmt::format("the switches of {} ({}) are not known, expected only CAMs made of switched "
                       "capacitors",
                       node.name, node.cam->cam_name()));
     }
-    stages_.push_back(std::move(*stage));
+    inputs.push_back(static_cast<std::size_t>(stage->inputs()));
   }
   network_of_.assign(graph_.nodes.size(), 0);
   for (const std::size_t n : graph_.order) {
     using Source = PeriodicNetworks::Source;
-    std::vector<Source> sources(static_cast<std::size_t>(stages_[n].inputs()));
+    std::vector<Source> sources(inputs[n]);
     for (const PlanGraph::Input& input : graph_.nodes[n].inputs) {
       if (input.number > sources.size()) continue;
       sources[input.number - 1] = input.from.node
@@ -73,9 +46,8 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
 
 ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> units, bool with_noise) const {
   const PlacedCam& cam = *graph_.nodes[n].cam;
-  const auto own = units.subspan(first_capacitor_[n], cam.capacitors.size());
-  const SwitchedNetwork network = network_of(stages_[n], stage_units(stages_[n], cam, own));
-  return ClockedNetwork(network, {graph_.nodes[n].period}, with_noise);
+  const CapacitorUnits own(cam.capacitors, units.subspan(first_capacitor_[n], cam.capacitors.size()));
+  return ClockedNetwork(network_of(*cam.cam->switches(cam, own)), {graph_.nodes[n].period}, with_noise);
 }
 
 Hertz SwitchedBoard::fastest_clock() const {
@@ -99,7 +71,7 @@ std::complex<double> SwitchedBoard::sampled(RadPerSecond w) const {
 }
 
 void SwitchedBoard::set_units(std::span<const double> units) {
-  for (std::size_t n = 0; n < stages_.size(); ++n) {
+  for (std::size_t n = 0; n < graph_.nodes.size(); ++n) {
     const std::size_t first = first_capacitor_[n];
     const std::size_t count = graph_.nodes[n].cam->capacitors.size();
     const std::span<const double> old = drawn_.empty() ? std::span<const double>(units_) : drawn_;

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "fpaa/search/cam_of_stage.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -78,7 +78,7 @@ class DesignPlacer {
 
   bool place(std::size_t s) {
     const DesignStage& stage = design_.stages[s];
-    const Resources need = resources_of_stage(stage);
+    const Resources need = stage.resources();
     for (const int chip : preferred_chips(s)) {
       DesignRoom& room = rooms_[static_cast<std::size_t>(chip)];
       const bool known =
@@ -122,6 +122,16 @@ class DesignPlacer {
         design_.stages.size(), design_.opamps(), placed, board_.chips, board_.name)};
   }
 
+  PlacedCam placed(const DesignStage& stage) const {
+    PlacedCam out;
+    out.name = stage.name;
+    out.clock_a = {board_.master_clock.value / static_cast<double>(stage.divisor)};
+    for (const Cam* cam : cam_registry().all()) {
+      if (cam->place(stage, out)) break;
+    }
+    return out;
+  }
+
   bool add_chips(Plan& out) const {
     for (int chip = 0; chip < board_.chips; ++chip) {
       const DesignRoom& room = rooms_[static_cast<std::size_t>(chip)];
@@ -134,7 +144,7 @@ class DesignPlacer {
       plan.clocks = *tree;
       for (std::size_t s = 0; s < design_.stages.size(); ++s) {
         if (chip_of_[s] != chip) continue;
-        PlacedCam cam = cam_of_stage(design_.stages[s], board_);
+        PlacedCam cam = placed(design_.stages[s]);
         cam.cab = cab_of_[s];
         const auto clock = std::find(room.divisors.begin(), room.divisors.end(), design_.stages[s].divisor);
         cam.clock_index = static_cast<int>(clock - room.divisors.begin());

@@ -90,7 +90,7 @@ class StageWriter {
 
   void add_capacitor(const StageSwitches& stage, std::size_t index) {
     const StageCapacitor& c = stage.capacitors[index];
-    if (c.units == 0) return;
+    if (!(c.units > 0.0)) return;
     const std::string near = plate_node(stage, c.near, fmt::format("u{}", index + 1));
     const std::string far = plate_node(stage, c.far, fmt::format("w{}", index + 1));
     lines_.push_back(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/whole_number.hpp"
 #include "fpaa/device/clock_tree.hpp"
 #include "fpaa/device/router.hpp"
 #include "fpaa/streams/lookup_stage.hpp"
@@ -315,7 +316,7 @@ class ChipWriter {
     const StagePlace& place = places_[index];
     int number = place.first_capacitor;
     for (const StageCapacitor& c : stage.switches.capacitors) {
-      set(capacitor_at(stage.cab, number), c.units);
+      set(capacitor_at(stage.cab, number), nearest_whole<int>(c.units));
       const Address at = switches_at(stage.cab, number++);
       write_word(at, c.near, near_nibble(index, c.near.phase1), near_nibble(index, c.near.phase2),
                  place.clock_code);

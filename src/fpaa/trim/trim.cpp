@@ -301,9 +301,7 @@ Plan with_capacitors(const Plan& plan, const std::vector<int>& units) {
   for (ChipPlan& chip : out.chips) {
     for (PlacedCam& cam : chip.cams) {
       for (Capacitor& c : cam.capacitors) c.units = units.at(next++);
-      const auto h = cam.cam->transfers(cam, CapacitorUnits(cam.capacitors));
-      cam.z = h[0].in_z();
-      for (std::size_t i = 1; i < h.size(); ++i) cam.more_numerators[i - 1] = h[i].in_z().numerator;
+      cam.find_z();
     }
   }
   return out;

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "base/error.hpp"
-#include "fpaa/cams/biquad_stage.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/cams/filter_stage.hpp"
 #include "fpaa/cams/multiplier.hpp"
 #include "fpaa/cams/sum_diff.hpp"
 #include "fpaa/cams/transfer_function.hpp"
@@ -40,19 +40,22 @@ TEST(CamLibrary, EveryCamFitsInACabOrSaysThatItsResourcesAreUnknown) {
 
 /// The switched-capacitor loop, charge by charge, driven by a sine: an oracle for the closed forms of the
 /// header.
-Complex simulated(const BiquadStageCapacitors& c, double w_per_clock) {
+Complex simulated(const FilterStage& stage, double w_per_clock) {
+  const bool high_q = stage.kind == FilterStage::Kind::second_high;
+  const auto c = [&](FilterStage::Second which) { return stage.c[which]; };
+  using enum FilterStage::Second;
   double v1 = 0.0, v2 = 0.0, before = 0.0;
   Complex sum = 0.0, reference = 0.0;
   const int settle = 60000, count = static_cast<int>(std::lround(400.0 * 2.0 * M_PI / w_per_clock));
   for (int n = 0; n < settle + count; ++n) {
     const double in = std::cos(w_per_clock * n);
     // Second integrator: C3 brings the first one's last output; C4 discharges it (low Q).
-    double charge = c.cb * v2 + c.c3 * v1 - c.cpp * (in - before);
-    if (!c.high_q) charge -= c.cp * in;
-    const double v2_next = charge / (c.high_q ? c.cb : c.cb + c.c4);
-    double v1_charge = c.ca * v1 - c.c1 * in - c.c2 * v2_next;
-    if (c.high_q) v1_charge -= c.c4 * (v2_next - v2) + c.cp * (in - before);
-    v1 = v1_charge / c.ca;
+    double charge = c(kCB) * v2 + c(kC3) * v1 - c(kCpp) * (in - before);
+    if (!high_q) charge -= c(kCp) * in;
+    const double v2_next = charge / (high_q ? c(kCB) : c(kCB) + c(kC4));
+    double v1_charge = c(kCA) * v1 - c(kC1) * in - c(kC2) * v2_next;
+    if (high_q) v1_charge -= c(kC4) * (v2_next - v2) + c(kCp) * (in - before);
+    v1 = v1_charge / c(kCA);
     v2 = v2_next;
     before = in;
     if (n >= settle) {
@@ -64,22 +67,16 @@ Complex simulated(const BiquadStageCapacitors& c, double w_per_clock) {
 }
 
 TEST(FilterBiquad, TransferIsWhatTheChargesDo) {
-  using Form = BiquadStageCapacitors;
-  for (double Form::*input : {&Form::c1, &Form::cp, &Form::cpp}) {
+  using enum FilterStage::Kind;
+  for (const std::size_t input : {0u, 1u, 2u}) {
     for (const bool high_q : {false, true}) {
-      Form c;
-      c.high_q = high_q;
-      c.*input = 20;
-      c.c2 = 15;
-      c.c3 = 17;
-      c.c4 = high_q ? 60 : 12;
-      c.ca = 150;
-      c.cb = 160;
+      FilterStage stage{high_q ? second_high : second_low, {0, 0, 0, 15, 17, high_q ? 60.0 : 12.0, 150, 160}};
+      stage.c[input] = 20;
       for (const double w : {0.05, 0.1, 0.3}) {
-        const Complex closed = c.transfer().in_z().response({w}, {1.0});
+        const Complex closed = stage.transfers()[0].in_z().response({w}, {1.0});
         // The second integrator samples V1 of the period before: both forms carry that 1/z in C3.
-        EXPECT_NEAR(std::abs(simulated(c, w) - closed), 0.0, 0.02 * std::abs(closed) + 1e-4)
-            << (c.c1 > 0.0) << (c.cp > 0.0) << high_q << " " << w;
+        EXPECT_NEAR(std::abs(simulated(stage, w) - closed), 0.0, 0.02 * std::abs(closed) + 1e-4)
+            << input << high_q << " " << w;
       }
     }
   }

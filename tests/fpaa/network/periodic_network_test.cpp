@@ -30,14 +30,8 @@ StageSwitches pole_zero_stage(int ca, int cb, int cc, int cd) {
   return s;
 }
 
-std::vector<double> units_of(const StageSwitches& stage) {
-  std::vector<double> out;
-  for (const StageCapacitor& c : stage.capacitors) out.push_back(c.units);
-  return out;
-}
-
 ClockedNetwork clocked(const StageSwitches& stage, std::int64_t period, bool with_noise = false) {
-  return ClockedNetwork(network_of(stage, units_of(stage)), {period}, with_noise);
+  return ClockedNetwork(network_of(stage), {period}, with_noise);
 }
 
 /// Stages one behind the other, each at its clock.
@@ -59,7 +53,7 @@ PeriodicNetworks joined(const std::vector<StageSwitches>& stages, const std::vec
   whole.inputs.push_back(whole.add_node());
   int from = whole.inputs[0];
   for (std::size_t i = 0; i < stages.size(); ++i) {
-    const SwitchedNetwork part = network_of(stages[i], units_of(stages[i]));
+    const SwitchedNetwork part = network_of(stages[i]);
     std::vector<int> node(static_cast<std::size_t>(part.nodes), 0);
     for (int n = 1; n < part.nodes; ++n)
       node[static_cast<std::size_t>(n)] = n == part.inputs[0] ? from : whole.add_node();

@@ -74,11 +74,9 @@ TEST(BoardRun, AChainSettlesToItsPeriodicSteadyState) {
   for (const PlacedCam& cam : cams) {
     using Source = PeriodicNetworks::Source;
     const auto stage = cam.cam->switches(cam);
-    std::vector<double> units;
-    for (const StageCapacitor& c : stage->capacitors) units.push_back(c.units);
     const Source from = networks.size() == 0 ? Source{Source::Kind::board_input, 0}
                                              : Source{Source::Kind::network, networks.size() - 1};
-    networks.set_output(networks.add(ClockedNetwork(network_of(*stage, units), {kRunPeriod}), {from}));
+    networks.set_output(networks.add(ClockedNetwork(network_of(*stage), {kRunPeriod}), {from}));
     cells.push_back({cam, {before}, {}});
     before = cam.name;
   }

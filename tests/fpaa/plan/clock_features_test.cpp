@@ -6,7 +6,6 @@
 #include <cmath>
 #include <complex>
 
-#include "fpaa/cams/biquad_stage.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/error_reference.hpp"
 #include "fpaa/plan/plan_limits.hpp"

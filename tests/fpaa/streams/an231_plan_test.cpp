@@ -7,8 +7,6 @@
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "fpaa/an231_streams.hpp"
-#include "fpaa/cams/biquad_stage.hpp"
-#include "fpaa/cams/sum_inv.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"

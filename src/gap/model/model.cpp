@@ -107,6 +107,10 @@ void Model::remove(std::size_t term) {
   write_readers();
 }
 
+void Model::move_last_term(std::size_t place) {
+  std::rotate(terms_.begin() + static_cast<std::ptrdiff_t>(place), terms_.end() - 1, terms_.end());
+}
+
 std::vector<int> Model::line_blocks() const {
   std::vector<int> all;
   for (const auto& term : terms_) all.insert(all.end(), term.lines.begin(), term.lines.end());

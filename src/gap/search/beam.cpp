@@ -134,11 +134,16 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     const auto* best = best_of(setting, records, others.model, ranking);
     set.rivals[k] = {ranking, others.log_evidence};
     if (best == nullptr || !(best->log_evidence > set.log_evidence + kPlainlyMore)) continue;
-    // The same name again is what stands at better values or another place.
     auto other = with_candidate(others, *best, ranking);
-    if (best->effect != set.model.terms()[k].effect)
+    // The same name again is what stands at better values, or at another place.
+    if (best->effect == set.model.terms()[k].effect) {
+      other.model.move_last_term(k);
+      std::rotate(other.rivals.begin() + static_cast<std::ptrdiff_t>(k), other.rivals.end() - 1,
+                  other.rivals.end());
+    } else {
       other.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
                                         best->effect->name(), set.model.terms()[k].effect->name()));
+    }
     other.model = fit_in_turn(setting, records, std::move(other.model)).model;
     weigh(records, other);
     return other;

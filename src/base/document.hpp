@@ -84,7 +84,7 @@ class Node {
 Node parse_json(std::string_view text, const std::string& file);
 Node parse_toml(std::string_view text, const std::string& file);
 
-/// Reads by extension (.toml, otherwise JSON) and remembers the file in `from`.
+/// Reads by extension (.toml, .json; another: JSON where it begins with a brace) and remembers the file in `from`.
 Node read_document(const std::filesystem::path& path, Provenance& from);
 
 /// The one of these values whose to_string() the node holds, or an error that lists them.

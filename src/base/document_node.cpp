@@ -231,7 +231,9 @@ void require_utf8(std::string_view text, const std::string& file) {
 
 Node read_document(const std::filesystem::path& path, Provenance& from) {
   const std::string text = from.read(path);
-  return path.extension() == ".toml" ? parse_toml(text, path.string()) : parse_json(text, path.string());
+  const bool other = path.extension() != ".json" && path.extension() != ".toml";
+  const bool toml = path.extension() == ".toml" || (other && !trim(text).starts_with('{'));
+  return toml ? parse_toml(text, path.string()) : parse_json(text, path.string());
 }
 
 namespace {

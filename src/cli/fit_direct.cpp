@@ -47,6 +47,10 @@ std::string direct_summary(const DirectFit& fit, bool real) {
         "{} zeros far above the points made nothing better and were left out: the gain falls there\n",
         fit.distant_zeros);
   }
+  if (fit.zeros_at_origin > 0) {
+    text += fmt::format("{} zeros far below the points do as well at 0 Hz and stand there\n",
+                        fit.zeros_at_origin);
+  }
   return text;
 }
 

@@ -375,8 +375,10 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
   RootModel::Roots roots = search.model.roots(search.best.theta);
   out.cancelled = drop_cancelling(roots, problem.target, kDecibelPerNeper * search.best.value);
   // Masks and phases see more of a distant zero than the points' gains do.
-  if (problem.target.masks.empty() && !options.use_phase)
+  if (problem.target.masks.empty() && !options.use_phase) {
     out.distant_zeros = drop_distant_zeros(roots, problem.target, kDecibelPerNeper * search.best.value);
+    out.zeros_at_origin = move_zeros_to_origin(roots, problem.target, kDecibelPerNeper * search.best.value);
+  }
   out.sections = make_sections(roots.gain, roots.zeros, roots.poles);
   out.parameters = static_cast<int>(search.model.size());
   compare_with_points(out, points);

@@ -50,8 +50,9 @@ struct DirectFit {
   double highest_gain_above_band_db = 0.0;
   int parameters = 0;
   int starts_tried = 0;
-  int cancelled = 0;      ///< poles of the order asked for that met a zero and were left out
-  int distant_zeros = 0;  ///< zeros far above the points that made nothing better and were left out
+  int cancelled = 0;        ///< poles of the order asked for that met a zero and were left out
+  int distant_zeros = 0;    ///< zeros far above the points that made nothing better and were left out
+  int zeros_at_origin = 0;  ///< zeros far below the points that stand at 0 Hz as well
   std::vector<std::string> warnings;
   std::vector<std::string> not_tried;  ///< when the deadline passed
 

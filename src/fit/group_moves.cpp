@@ -104,6 +104,23 @@ int drop_distant_zeros(RootModel::Roots& roots, const CurveTarget& target, doubl
   return static_cast<int>(before - roots.zeros.size());
 }
 
+int move_zeros_to_origin(RootModel::Roots& roots, const CurveTarget& target, double value_db) {
+  const double allowed_db = allowed_error_db(roots, target, value_db);
+  const double lowest = target.frequency.front().value;
+  int moved = 0;
+  for (std::size_t i = 0; i < roots.zeros.size();) {
+    const std::size_t count = roots.zeros[i].imag() == 0.0 ? 1 : 2;
+    const double corner = std::abs(roots.zeros[i]);
+    RootModel::Roots there = roots;
+    std::fill_n(there.zeros.begin() + static_cast<std::ptrdiff_t>(i), count, 0.0);
+    i += count;
+    if (!(corner > 0.0 && corner < lowest) || max_weighted_error_db(there, target) > allowed_db) continue;
+    roots = std::move(there);
+    moved += static_cast<int>(count);
+  }
+  return moved;
+}
+
 int drop_cancelling(RootModel::Roots& roots, const CurveTarget& target, double value_db) {
   const double allowed_db = allowed_error_db(roots, target, value_db);
   const std::size_t before = roots.poles.size();

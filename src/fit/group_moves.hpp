@@ -41,5 +41,8 @@ int drop_cancelling(RootModel::Roots& roots, const CurveTarget& target, double v
 /// to the end needs none, and one at a thousand times its highest frequency can neither be built nor be seen in it.
 /// Returns how many went.
 int drop_distant_zeros(RootModel::Roots& roots, const CurveTarget& target, double value_db);
+/// Puts zeros below the points at 0 Hz, as far as the fit does not become worse by more than the same: a curve that falls
+/// to the beginning blocks direct voltages, and time constants of seconds need not be built. Returns how many went.
+int move_zeros_to_origin(RootModel::Roots& roots, const CurveTarget& target, double value_db);
 
 }  // namespace bodesmith

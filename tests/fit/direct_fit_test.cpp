@@ -183,13 +183,21 @@ TEST(DirectFit, SameSeedSameBytesAndRefusals) {
 }
 
 // A curve that falls to the end is fitted without zeros at a thousand times its highest frequency.
-TEST(DirectFit, ZerosFarAboveAreLeftOut) {
+TEST(DirectFit, ZerosFarAboveAreLeftOutAndFarBelowStandAtZero) {
   const auto one = fit_directly(
       curve(10, 30000, 9, [](double f) { return 1.0 / std::hypot(1.0, f / 1000.0); }), {.order = 1});
   EXPECT_EQ(one.distant_zeros, 1);
   EXPECT_TRUE(one.sections.sections.at(0).zeros.empty());
   EXPECT_LT(one.max_db, 1e-4);
   EXPECT_NEAR(std::abs(one.sections.response(Hertz{1e6}.rad_s())), 1e-3, 1e-6);
+  // One that falls to the beginning has its zero at 0 Hz.
+  const auto high =
+      fit_directly(curve(10, 30000, 9, [](double f) { return f / std::hypot(1000.0, f); }), {.order = 1});
+  EXPECT_EQ(high.zeros_at_origin, 1);
+  ASSERT_EQ(high.sections.sections.at(0).zeros.size(), 1u);
+  EXPECT_EQ(high.sections.sections[0].zeros[0], std::complex<double>(0.0));
+  EXPECT_LT(high.max_db, 1e-4);
+  EXPECT_NEAR(std::abs(high.sections.response(Hertz{1.0}.rad_s())), 1e-3, 1e-6);
   // One that levels off keeps its zero.
   const auto shelf = fit_directly(
       curve(10, 30000, 9, [](double f) { return std::hypot(1.0, f / 2e5) / std::hypot(1.0, f / 1000.0); }),

@@ -127,7 +127,8 @@ bool begins_with_word(const std::string& text, std::string_view word) {
 }
 
 bool is_frequency(const std::string& name, const Heading& heading) {
-  if (name.starts_with("freq") || name == "f" || name == "hz" || name == "frequenz") return true;
+  if (name.starts_with("freq") || name == "acfrequency" || name == "f" || name == "hz" || name == "frequenz")
+    return true;
   return !heading.unit.empty() && frequency_scale(heading.unit).has_value() && !contains(name, "gain");
 }
 
@@ -382,6 +383,16 @@ std::vector<Heading> parse_headings(const std::vector<std::string>& texts) {
   std::vector<Heading> out;
   for (const std::string& text : texts) out.push_back(parse_heading(text));
   if (out.empty()) return out;
+  // qucsconv's tables: "r out.v" and "i out.v" are one complex variable.
+  for (std::size_t i = 0; i + 1 < out.size(); ++i) {
+    if (!texts[i].starts_with("r ") || texts[i + 1] != "i" + texts[i].substr(1)) continue;
+    out[i].quantity = Quantity::real;
+    out[i + 1].quantity = Quantity::imaginary;
+    for (const std::size_t part : {i, i + 1}) {
+      out[part].text = texts[i].substr(2);
+      out[part].scale = 1.0;
+    }
+  }
   // "X (Second)", "Elapsed Time (ms)", "in s": the first column's unit says what it is where all others are signals.
   const bool signals = std::all_of(out.begin(), out.end(), [](const Heading& h) {
     return h.quantity == Quantity::signal || (h.quantity == Quantity::magnitude && h.level);

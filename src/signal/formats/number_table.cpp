@@ -158,6 +158,8 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
   int number = 0;
   int blank = 0;
   Grouping grouping(writing);
+  // A channel alone stands behind the empty cell of the X_Value that its file leaves out.
+  const bool one_behind_empty = text.starts_with("LabVIEW Measurement");
   for (std::size_t seen = 0; !text.empty() && seen < line_limit; ++seen) {
     ++number;
     const std::size_t end = text.find('\n');
@@ -182,7 +184,8 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
     split_cells(writing.separator == '\t' ? whole : line, writing.separator, cells);
     const bool numbers = parse_row(cells, writing.decimal, row, why);
     if (!started) {
-      if (!numbers || cells_used(row) < least_columns) {
+      const bool wide = cells_used(row) >= least_columns || (one_behind_empty && row.size() >= least_columns);
+      if (!numbers || !wide) {
         out.numbers_above = out.numbers_above || begins_like_number(line);
         out.raw_above.push_back(line);
         continue;

@@ -300,6 +300,14 @@ Foreign record_of(const Source& source, NumberTable table, const std::vector<Hea
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < headings.size(); ++i) {
     if (headings[i].quantity == Quantity::time || counts_rows(headings[i].text, table.columns[i])) continue;
+    if (i > 0 && headings[i].quantity == Quantity::imaginary && headings[i].text == headings[i - 1].text) {
+      const auto& imaginary = table.columns[i];
+      const auto other = std::find_if(imaginary.begin(), imaginary.end(), [](double v) { return v != 0.0; });
+      if (other != imaginary.end())
+        throw InputError(source.file, table.lines[static_cast<std::size_t>(other - imaginary.begin())],
+                         fmt::format("'{}' is complex, expected signals over time", headings[i].text));
+      continue;
+    }
     places.push_back(i);
     names.push_back(headings[i].text);
   }

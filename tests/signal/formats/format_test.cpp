@@ -287,10 +287,13 @@ TEST(Layouts, StepsThatStandAboveTheRows) {
            "X_Dimension\tTime\tTime\nX0\t0\t0\nDelta_X\t0.000100\t0.000100\n***End_of_Header***\n" +
            names + "\tComment\n";
   };
-  const std::string labview = table("", without_times, {'\t'});
-  std::string rows;
-  for (std::size_t at = 0; at < labview.size(); at = labview.find('\n', at) + 1)
-    rows += "\t" + labview.substr(at, labview.find('\n', at) - at) + "\n";
+  const auto behind_tabs = [](const std::string& table) {
+    std::string rows;
+    for (std::size_t at = 0; at < table.size(); at = table.find('\n', at) + 1)
+      rows += "\t" + table.substr(at, table.find('\n', at) - at) + "\n";
+    return rows;
+  };
+  const std::string rows = behind_tabs(table("", without_times, {'\t'}));
   expect_record(head("No", "X_Value\tVoltage_0\tVoltage_1") + rows);
   std::string commas = head("No", "X_Value\tVoltage_0\tVoltage_1") + rows;
   std::replace(commas.begin(), commas.end(), '.', ',');
@@ -303,10 +306,26 @@ TEST(Layouts, StepsThatStandAboveTheRows) {
   expect_record(table("Unit:(V)\nTime interval,100.0uS\n\nindex,CH1_Voltage(V),CH2_Voltage(V)\n", [](int i) {
     return Cells{double(i), input(i), output(i)};
   }));
+  // One channel alone.
+  expect_record(
+      head("No", "X_Value\tVoltage") + behind_tabs(table("", [](int i) { return Cells{input(i)}; })), false);
   // Spectra of LabVIEW, channels of different steps.
   std::string spectrum = head("No", "X_Value\tVoltage_0\tVoltage_1") + rows;
   spectrum.replace(spectrum.find("X_Dimension\tTime\tTime"), 21, "X_Dimension\tFrequency");
   EXPECT_THAT(refusal_of_response(spectrum), HasSubstr("/x"));
+}
+
+TEST(Layouts, TablesOfQucsconv) {
+  expect_low_pass(table("\"acfrequency\";\"r out.v\";\"i out.v\"\n", parts, {';'}));
+  const auto complex_record = [](double imaginary) {
+    return table("\"time\";\"r in.Vt\";\"i in.Vt\";\"r out.Vt\";\"i out.Vt\"\n",
+                 [=](int i) {
+                   return Cells{1e-4 * i, input(i), 0.0, output(i), imaginary};
+                 },
+                 {';'});
+  };
+  expect_record(complex_record(0.0));
+  EXPECT_THAT(refusal_of_response(complex_record(0.1)), HasSubstr("'out.Vt' is complex"));
 }
 
 TEST(Layouts, HantekScopes) {

@@ -346,6 +346,26 @@ Band searched(const PlantFamily& plants) {
   return Band{Hertz{plants.band->from.value / 100.0}, plants.band->to};
 }
 
+/// The best controller with that bandwidth, and what it misses.
+TunedLoop tuned_at(Hertz crossover, const PlantFamily& plants, const ControllerKind& kind,
+                   const TuneOptions& options) {
+  const Problem problem(plants, kind, options, crossover);
+  TunedLoop out;
+  out.bandwidth = crossover;
+  out.controller = problem.made(problem.best());
+  out.members = all_margins(plants, out.controller, problem);
+  out.missed = missed_of(out.members, options.limits);
+  std::vector<std::string> too;
+  for (const LoopMargins::GainCrossing& crossing : out.members.front().margins.gain_crossings) {
+    if (std::abs(std::log(crossing.frequency.value / crossover.value)) > std::log(1.1))
+      too.push_back(engineering_text(crossing.frequency.value, "Hz", 3));
+  }
+  if (!too.empty())
+    out.missed.push_back(
+        fmt::format("a gain of 1 at the bandwidth alone: it is 1 at {}, too", join(too, ", ")));
+  return out;
+}
+
 Json margins_json(const LeastMargins& margins) {
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
   return {{"phase_margin_deg", number(margins.phase_margin_deg)},
@@ -406,20 +426,13 @@ TunedLoop tune(const PlantFamily& plants, const ControllerKind& kind, const Tune
                       kind.name(), engineering_text(searched(plants).from.value, "Hz"),
                       engineering_text(searched(plants).to.value, "Hz")));
   }
-  const Problem problem(plants, kind, options, *crossover);
-  TunedLoop out;
-  out.bandwidth = *crossover;
-  out.controller = problem.made(problem.best());
-  out.members = all_margins(plants, out.controller, problem);
-  out.missed = missed_of(out.members, options.limits);
-  std::vector<std::string> too;
-  for (const LoopMargins::GainCrossing& crossing : out.members.front().margins.gain_crossings) {
-    if (std::abs(std::log(crossing.frequency.value / crossover->value)) > std::log(1.1))
-      too.push_back(engineering_text(crossing.frequency.value, "Hz", 3));
+  TunedLoop out = tuned_at(*crossover, plants, kind, options);
+  // Sections stand for a form within some tenths of a dB: the form's highest bandwidth may be out of their reach.
+  constexpr double kLower = 0.9;
+  constexpr int kTries = 8;  // to .43 of it
+  for (int i = 0; i < kTries && !out.met() && !options.bandwidth && !kind.made_exactly(); ++i) {
+    out = tuned_at(Hertz{kLower * out.bandwidth.value}, plants, kind, options);
   }
-  if (!too.empty())
-    out.missed.push_back(
-        fmt::format("a gain of 1 at the bandwidth alone: it is 1 at {}, too", join(too, ", ")));
   if (!out.met() && options.bandwidth) {
     const Band below{Hertz{crossover->value / 100.0}, Hertz{crossover->value / std::cbrt(2.0)}};
     out.reachable_bandwidth = highest_bandwidth(plants, kind, options, below);

@@ -129,6 +129,7 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
   faults::DiagnosisOptions asked;
   asked.stop = [&options] { return options.stopped(); };
   // Of circuit and board the one that with what is found in it leaves less: a fault moves a response further than they differ.
+  const auto noise_percent = [&found] { return 100.0 * std::hypot(found.noise.gain, found.noise.phase); };
   double least = std::numeric_limits<double>::infinity();
   const auto consider = [&](std::unique_ptr<Board> one, const fs::path& file, const char* name) {
     Diagnosis d = faults::diagnose_board(*one, asked);
@@ -145,7 +146,8 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
     circuit = synthesis::CircuitFile::from_node(read_document(of_circuit, out.from)).circuit;
     consider(std::make_unique<faults::CircuitBoard>(*circuit, channels, spread), of_circuit, "the circuit");
   }
-  if (fs::exists(of_board))
+  // What leaves no more than the noise leaves nothing to the board, whose search takes longest.
+  if (fs::exists(of_board) && (!made || least > noise_percent()))
     consider(std::make_unique<faults::PlanBoard>(fpaa::Plan::read(of_board, out.from), channels, spread),
              of_board, "the board");
   if (!made) {
@@ -176,7 +178,7 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
                      differences(board, best), {},   {}, "Response from the design, %"};
   out.gap_percent = rms(picture.gap);
   out.left_percent = rms(picture.left);
-  out.noise_percent = 100.0 * std::hypot(found.noise.gain, found.noise.phase);
+  out.noise_percent = noise_percent();
   const faults::Channel& channel = board.measured().channels.front();
   std::vector<double> wanted_db, measured_db;
   for (std::size_t k = 0; k < channel.grid.size(); ++k) {

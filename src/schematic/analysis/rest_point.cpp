@@ -231,7 +231,7 @@ void RestOrder::order() {
     throw std::logic_error("the circuit's voltages at rest do not follow from one another");
 }
 
-RestPoint::RestPoint(const RestOrder& order, const Deviations& off)
+RestPoint::RestPoint(const RestOrder& order, const Deviations& off, const RestPoint* like)
     : order_(&order), off_(off), conducting_(order.blocks_.size()), known_(order.blocks_.size()) {
   const Netlist& netlist = order.netlist_;
   v_.assign(order.names_.size(), 0.0);
@@ -241,6 +241,13 @@ RestPoint::RestPoint(const RestOrder& order, const Deviations& off)
     siemens_.push_back(
         netlist.parts[i].kind == Part::Kind::resistor ? 1.0 / off.value(netlist, static_cast<int>(i)) : 0.0);
   contact_siemens_ = off.contact(netlist.analog_switch).on_siemens();
+  if (like == nullptr || like->contact_siemens_ != contact_siemens_) return;
+  for (std::size_t b = 0; b < known_.size(); ++b) {
+    const std::vector<int>& resistors = order.blocks_[b].resistors;
+    if (std::all_of(resistors.begin(), resistors.end(),
+                    [&](int i) { return siemens_[at(i)] == like->siemens_[at(i)]; }))
+      known_[b] = like->known_[b];
+  }
 }
 
 RestPoint::Affine RestPoint::solve_block(const RestOrder::Block& block, std::uint64_t conducting) const {

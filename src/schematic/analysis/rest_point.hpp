@@ -62,8 +62,8 @@ class RestOrder {
 /// One built copy at rest.
 class RestPoint {
  public:
-  /// `order` outlives it.
-  RestPoint(const RestOrder& order, const Deviations& off);
+  /// `order` outlives it. `like`: a copy of the same order, of which is taken over how blocks of the same resistors were solved.
+  RestPoint(const RestOrder& order, const Deviations& off, const RestPoint* like = nullptr);
 
   /// An input's voltage.
   void set(int input_node, double volts);

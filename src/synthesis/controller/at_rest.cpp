@@ -89,11 +89,13 @@ RestWiring::RestWiring(const AnalogController& c, bool cut)
       rate(rate_order(c)),
       generator(generator_order(c, argument_is_given)) {}
 
-AtRest::AtRest(const RestWiring& wiring, const Deviations& off)
+AtRest::AtRest(const RestWiring& wiring, const Deviations& off, const AtRest* like)
     : wiring_(&wiring),
       off_(off),
-      rate_(wiring.rate, off.of_part(wiring.rate.netlist(), wiring.controller)),
-      generator_(wiring.generator, off.of_part(wiring.generator.netlist(), wiring.controller)) {
+      rate_(wiring.rate, off.of_part(wiring.rate.netlist(), wiring.controller),
+            like != nullptr ? &like->rate_ : nullptr),
+      generator_(wiring.generator, off.of_part(wiring.generator.netlist(), wiring.controller),
+                 like != nullptr ? &like->generator_ : nullptr) {
   const AnalogController& c = wiring.controller;
   slope_ = wiring.rate.node("sn");
   stroke_ = wiring.rate.node("an");

@@ -32,7 +32,8 @@ struct RestWiring {
 /// One built copy at rest.
 class AtRest {
  public:
-  AtRest(const RestWiring& wiring, const schematic::Deviations& off);
+  /// `like`: another copy of the same wiring (see RestPoint).
+  AtRest(const RestWiring& wiring, const schematic::Deviations& off, const AtRest* like = nullptr);
 
   /// The slope meter's voltage (0 or below); the control voltages follow.
   void set_slope(double volts);

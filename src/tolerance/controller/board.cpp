@@ -73,10 +73,10 @@ Input input_of(const tracking::Reference& reference, Hertz operating, std::size_
   return out;
 }
 
-Board::Board(const controller::RestWiring& wiring, const Copy& copy)
+Board::Board(const controller::RestWiring& wiring, const Copy& copy, const Board* like)
     : wiring_(wiring),
       off_(copy.off),
-      rest_(wiring, copy.off),
+      rest_(wiring, copy.off, like != nullptr ? &like->rest_ : nullptr),
       meter_(controller::SlopeMeterGains::of(wiring.controller, copy.off)) {
   speed_ = std::max(1.0 + copy.speed, 0.05);
   timing_ = std::max(1.0 + copy.timing, 0.05);

@@ -26,7 +26,8 @@ Input input_of(const tracking::Reference& reference, Hertz operating, std::size_
 /// its smoothing are filters of first order, the switch acts late. Tests solve the netlist at every sample for the same drive.
 class Board {
  public:
-  Board(const controller::RestWiring& wiring, const Copy& copy);
+  /// `like`: another copy of the same wiring; where most parts are the same, this one is made several times quicker.
+  Board(const controller::RestWiring& wiring, const Copy& copy, const Board* like = nullptr);
 
   /// v over one repeat in steady state.
   std::vector<double> drive(const Input& input) const;

@@ -33,7 +33,7 @@ OneAtATime one_at_a_time(const Bench& bench, const AnalogController& controller,
   parallel_for(causes.size(), threads, [&](std::size_t i) {
     std::vector<double> values(causes.size(), 0.0);
     values[i] = causes[i].departure.deviation();
-    const Board board(bench.wiring(), copy_of(controller, causes, values));
+    const Board board(bench.wiring(), copy_of(controller, causes, values), &nominal);
     for (std::size_t f = 0; f < bench.frequencies(); ++f) {
       std::vector<double> moved = bench.displacement(board, f);
       for (std::size_t k = 0; k < moved.size(); ++k) moved[k] -= y[f][k];

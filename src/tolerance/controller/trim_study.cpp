@@ -105,7 +105,8 @@ TrimModel::TrimModel(const controller::AnalogController& controller, const track
     for (const Reading& one : readings_) readings.push_back(read(one, board, fastest));
   };
   std::vector<double> good;
-  see(Board(bench.wiring(), copy_of(controller, {}, {})), good, expected_v_);
+  const Board nominal(bench.wiring(), copy_of(controller, {}, {}));
+  see(nominal, good, expected_v_);
   const std::size_t columns = causes_ + trims_.size();
   std::vector<std::vector<double>> waves(columns);
   moved_.resize(columns);
@@ -116,7 +117,7 @@ TrimModel::TrimModel(const controller::AnalogController& controller, const track
     } else {
       trims_[i - causes_].apply(copy, trims_[i - causes_].unit_setting);
     }
-    see(Board(bench.wiring(), copy), waves[i], moved_[i]);
+    see(Board(bench.wiring(), copy, &nominal), waves[i], moved_[i]);
     for (std::size_t k = 0; k < good.size(); ++k) waves[i][k] -= good[k];
     for (std::size_t k = 0; k < expected_v_.size(); ++k) moved_[i][k] -= expected_v_[k];
     std::vector<double> all;
@@ -309,11 +310,13 @@ std::vector<TrimStep> TrimModel::choose(int count, int rounds, std::vector<doubl
 /// Someone with a voltmeter in front of one copy: sees noisy readings, turns potentiometers, knows the design.
 class BlindUser {
  public:
-  BlindUser(const Bench& bench, const Copy& copy, const TrimOptions& options, std::uint64_t seed)
-      : bench_(bench), copy_(copy), options_(options), noise_(seed) {}
+  /// `untrimmed`: that copy's board.
+  BlindUser(const Bench& bench, const Copy& copy, const Board& untrimmed, const TrimOptions& options,
+            std::uint64_t seed)
+      : bench_(bench), copy_(copy), untrimmed_(untrimmed), options_(options), noise_(seed) {}
 
-  /// The copy as it is left behind.
-  Copy trim(const std::vector<TrimStep>& steps) {
+  /// The board as it is left behind.
+  Board trim(const std::vector<TrimStep>& steps) {
     std::vector<double> settings(steps.size(), 0.0);
     for (int round = 0; round < options_.rounds; ++round) {
       for (std::size_t k = 0; k < steps.size(); ++k) turn(steps, settings, k);
@@ -322,17 +325,16 @@ class BlindUser {
   }
 
  private:
-  Copy with(const std::vector<TrimStep>& steps, const std::vector<double>& settings) const {
-    Copy out = copy_;
-    for (std::size_t k = 0; k < steps.size(); ++k) steps[k].trim.apply(out, settings[k]);
-    return out;
+  Board with(const std::vector<TrimStep>& steps, const std::vector<double>& settings) const {
+    Copy trimmed = copy_;
+    for (std::size_t k = 0; k < steps.size(); ++k) steps[k].trim.apply(trimmed, settings[k]);
+    return Board(bench_.wiring(), trimmed, &untrimmed_);
   }
   void turn(const std::vector<TrimStep>& steps, std::vector<double>& settings, std::size_t k) {
     const TrimStep& step = steps[k];
     const double grain = 2.0 * step.range * options_.setting_resolution;
     for (int turn = 0; turn < options_.turns; ++turn) {
-      const Board board(bench_.wiring(), with(steps, settings));
-      const double seen = read(step.reading, board, bench_.input(bench_.frequencies() - 1)) +
+      const double seen = read(step.reading, with(steps, settings), bench_.input(bench_.frequencies() - 1)) +
                           options_.reading_noise_v * noise_.normal();
       const double off = step.expected_v - seen;
       if (std::abs(off) < options_.reading_noise_v) return;
@@ -344,6 +346,7 @@ class BlindUser {
 
   const Bench& bench_;
   const Copy& copy_;
+  const Board& untrimmed_;
   const TrimOptions& options_;
   Random noise_;
 };
@@ -365,11 +368,11 @@ TrimStudy study_trims(const controller::AnalogController& controller, const trac
   std::vector<std::vector<double>> before(trims.draws), after(trims.draws);
   parallel_for(trims.draws, thread_count(options.threads), [&](std::size_t i) {
     const Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
-    before[i] = untrimmed != nullptr && i < untrimmed->percent.size()
-                    ? untrimmed->percent[i]
-                    : bench.errors_percent(Board(bench.wiring(), copy));
-    BlindUser user(bench, copy, trims, mixed_bits(options.seed + Random::kGolden * (i + 1)));
-    after[i] = bench.errors_percent(Board(bench.wiring(), user.trim(out.steps)));
+    const Board board(bench.wiring(), copy);
+    before[i] = untrimmed != nullptr && i < untrimmed->percent.size() ? untrimmed->percent[i]
+                                                                      : bench.errors_percent(board);
+    BlindUser user(bench, copy, board, trims, mixed_bits(options.seed + Random::kGolden * (i + 1)));
+    after[i] = bench.errors_percent(user.trim(out.steps));
   });
   const std::vector<double> nominal =
       bench.errors_percent(Board(bench.wiring(), copy_of(controller, {}, {})));

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
+#include "cli/shared_options.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "lti/bulk_response.hpp"
@@ -20,9 +21,7 @@
 #include "schematic/writers/spice_library.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
-#include "simulate/controller_file.hpp"
 #include "synthesis/circuit_file.hpp"
-#include "tuning/controller_kind.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -225,14 +224,8 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
     const Cascade cascade = Cascade::from_node(node);
     source.band = usable(cascade.corner_band());
     set_evaluation(source, pointwise([cascade](RadPerSecond w) { return cascade.response(w); }));
-  } else if (schema == "bodesmith.sections/1") {
-    const Sections sections = Sections::from_node(node);
-    source.band = usable(sections.corner_band());
-    set_sections(source, sections);
-  } else if (schema == "bodesmith.controller/1") {
-    const simulate::LoopSetup loop = simulate::controller_from_node(node, path.parent_path(), from);
-    const Sections sections =
-        tuning::SeriesController{loop.controller, loop.filter.value_or(Sections{})}.sections();
+  } else if (schema == "bodesmith.sections/1" || schema == "bodesmith.controller/1") {
+    const Sections sections = sections_of(node, path.parent_path(), from);
     source.band = usable(sections.corner_band());
     set_sections(source, sections);
   } else if (schema == "bodesmith.fpaa_plan/1") {

@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "lti/section_making.hpp"
 #include "schematic/ngspice/ngspice.hpp"
+#include "simulate/controller_file.hpp"
 #include "synthesis/parts/stock.hpp"
 #include "synthesis/realisation.hpp"
+#include "tuning/controller_kind.hpp"
 
 namespace bodesmith::cli {
 
@@ -231,9 +232,20 @@ Sections rational_part(Sections sections, const std::string& file) {
   return sections;
 }
 
+Sections sections_of(const Node& node, const std::filesystem::path& folder, Provenance& from) {
+  if (node.kind() != Node::Kind::object || node.string_or("schema", "") != "bodesmith.controller/1")
+    return Sections::from_node(node);
+  const simulate::LoopSetup loop = simulate::controller_from_node(node, folder, from);
+  return tuning::SeriesController{loop.controller, loop.filter.value_or(Sections{})}.sections();
+}
+
 Sections read_rational_series(const std::vector<std::string>& files, Provenance& from) {
   std::vector<Sections> parts;
-  for (const std::string& file : files) parts.push_back(rational_part(Sections::read(file, from), file));
+  for (const std::string& file : files) {
+    const Node node = read_document(file, from);
+    const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+    parts.push_back(rational_part(sections_of(node, folder, from), file));
+  }
   return in_series(parts);
 }
 

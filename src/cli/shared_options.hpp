@@ -1,8 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "base/document.hpp"
 #include "base/provenance.hpp"
 #include "cli/command_line.hpp"
 #include "fpaa/device/mismatch.hpp"
@@ -61,7 +63,10 @@ bool names_a_reference(const std::string& text);
 /// The sections without their delay, which no circuit of poles and zeros makes; says so in a note.
 Sections rational_part(Sections sections, const std::string& file);
 
-/// Several sections.json as one: what is built has them one after the other.
+/// Of a sections.json, or of what `tune` writes: controller and filter. `folder` is where the document lies.
+Sections sections_of(const Node& node, const std::filesystem::path& folder, Provenance& from);
+
+/// Several of them as one: what is built has them one after the other.
 Sections read_rational_series(const std::vector<std::string>& files, Provenance& from);
 
 /// --load-stroke, of commands that read a disturbance.

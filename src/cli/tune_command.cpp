@@ -15,7 +15,7 @@ namespace {
 
 void declare_tune(CommandLine& line) {
   line.positional("PLANT...", 1, -1);
-  line.output("controller.json, as simulate --controller takes it, with its margins");
+  line.output("controller.json with its margins, as simulate --controller, bode, spice and yield take it");
   line.option<std::string>("sections", "also write the whole controller as sections (for bode, spice)");
   std::vector<std::string> kinds;
   for (const tuning::ControllerKind* kind : tuning::controller_kinds()) kinds.push_back(kind->name());

@@ -206,7 +206,8 @@ tolerance::Design read_design(const CommandLine& line, const std::string& file, 
   }
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.circuit/1")
     return tolerance::design_of_file(node, file, tolerance::OpAmps::as_built);
-  return design_of_sections(line, rational_part(Sections::from_node(node), node.file()), file, from);
+  const Sections sections = sections_of(node, std::filesystem::path(file).parent_path(), from);
+  return design_of_sections(line, rational_part(sections, node.file()), file, from);
 }
 
 std::vector<tolerance::Design> read_designs(const CommandLine& line, Provenance& from) {

@@ -51,6 +51,38 @@ TEST(SpiceCommand, CheckAgreesWithNgspice) {
   EXPECT_LT(check.at("noise_percent").number(), 1e-3);
 }
 
+// 0.5 + 20/s + 0.001 s/(1 + s/1000), and a pole at 500 rad/s behind it.
+TEST(SpiceCommand, AControllerIsItsSections) {
+  const TemporaryFolder folder;
+  write_file(folder / "controller.json",
+             R"({"schema":"bodesmith.controller/1","type":"pid","kp":0.5,"ki_per_s":20,"kd_s":0.001,
+"derivative_corner_hz":159.15494309189535,
+"filter":{"schema":"bodesmith.sections/1","gain":1,"sections":[{"gain":500,"zeros_rad_s":[],"poles_rad_s":[[-500,0]]}]}})");
+  // (0.5 + 1) s^2 + (0.5 1000 + 20) s + 20000 over s (s + 1000)
+  write_file(folder / "sections.json",
+             R"({"schema":"bodesmith.sections/1","gain":1,"sections":[
+{"gain":1.5,"zeros_rad_s":[[-44.061870468897894,0],[-302.6047961977688,0]],"poles_rad_s":[[0,0],[-1000,0]]},
+{"gain":500,"zeros_rad_s":[],"poles_rad_s":[[-500,0]]}]})");
+  for (const char* name : {"controller", "sections"}) {
+    const ProgramResult run = run_bodesmith("spice " + (folder / name).string() + ".json --series exact -o " +
+                                            (folder / (std::string(name) + "_spice")).string());
+    ASSERT_NE(run.status, 2) << run.err;
+  }
+  const auto parts = [&](const char* name) {
+    return parse_json(read_file(folder / name / "circuit.json"), name).at("stages").items();
+  };
+  const auto made = parts("controller_spice"), wanted = parts("sections_spice");
+  ASSERT_EQ(made.size(), wanted.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    const auto a = made[i].at("parts").items(), b = wanted[i].at("parts").items();
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      const char* key = a[k].has("realised_ohm") ? "realised_ohm" : "realised_f";
+      EXPECT_NEAR(a[k].at(key).number() / b[k].at(key).number(), 1.0, 1e-6) << a[k].at("part").string();
+    }
+  }
+}
+
 TEST(SpiceCommand, ALimitThatIsMissedIsStatusOne) {
   const TemporaryFolder folder;
   write_file(folder / "sections.json", kSpiceSections);

@@ -191,7 +191,7 @@ LevenbergMarquardt::Trial LevenbergMarquardt::attempt(const VectorXd& values, co
   const double foreseen = result_.cost - (result_.residuals + predicted).squaredNorm();
   const double ratio = foreseen > 0.0 ? (result_.cost - cost) / foreseen : 0.0;
   damping_ *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * ratio - 1.0, 3));
-  damping_ = std::clamp(damping_, 1e-12, 1e6);
+  damping_ = std::clamp(damping_, options_.least_damping, 1e6);
   growth_ = 2.0;
   drop = (result_.cost - cost) / std::max(result_.cost, 1e-300);
   result_.cost = cost;

@@ -49,6 +49,8 @@ struct LeastSquaresOptions {
   bool broyden = true;
   bool uncertainty = true;  ///< whether gram, deviation and condition_number are asked for
   double initial_damping = 1e-4;
+  /// Of directions that change nothing (nearly) rounding decides where they are taken, by 1/least_damping of it.
+  double least_damping = 1e-12;
   double max_step = std::numeric_limits<double>::infinity();  ///< of any unknown, in search coordinates
   /// Moves values within the bounds to where the model is defined, for what no bounds can say.
   std::function<void(Eigen::VectorXd& values)> project = {};

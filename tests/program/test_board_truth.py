@@ -52,7 +52,7 @@ class Made:
             assert run(*step, cwd=folder).status in (0, 1)
         limits = ("--from-hz", band[0], "--to-hz", band[1]) if band else ()
         done = run("fpaa", "sections.json", "-o", "board", "--stream", "--spice", *FAST, *limits, cwd=folder)
-        assert done.status == (name == "a-weighting"), done.err  # whose images are half the signal
+        assert done.status == 0, done.err
         self.folder = folder
         self.plan = json.loads((folder / "board/plan.json").read_text())
         self.sections = json.loads((folder / "sections.json").read_text())

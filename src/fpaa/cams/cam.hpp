@@ -48,7 +48,6 @@ struct CamFacts {
   bool half_cycle_output = false;  ///< valid only during one phase: needs a Hold before a bypass output
   bool takes_half_cycle_anywhere = false;  ///< may read a half-cycle output of another chip or clock
   int clock_b_ratio = 0;                   ///< ClockB = ratio * ClockA; 0: no ClockB
-  bool chopped = false;  ///< ClockA must be Clock 0-3 with a divisor that is a multiple of 4
   std::string_view limits;
 };
 

@@ -11,10 +11,9 @@ class Cam;
 /// and two.
 struct Multiplier {
   double scale_per_v = 1.0;  ///< 0.33 to 4
-  bool sample_and_hold = false;
 
   /// In the dialog.
-  const char* option() const { return sample_and_hold ? "Sample and Hold On" : "Sample and Hold Off"; }
+  static const char* option() { return "Sample and Hold Off"; }
   CamValues values() const { return {{"scale_per_v", scale_per_v}}; }
 
   /// What the converter makes of Y: the middle of one of 256 steps of 6/256 V.

@@ -10,6 +10,7 @@
 #include "base/text_template.hpp"
 #include "base/whole_number.hpp"
 #include "fpaa/controller/io.hpp"
+#include "fpaa/controller/scale.hpp"
 #include "fpaa/device/memory_image.hpp"
 #include "fpaa/streams/plan_stream.hpp"
 #include "fpaa/streams/stream_output.hpp"
@@ -27,14 +28,6 @@ void add_differences(const MemoryImage& one, const MemoryImage& other, std::map<
       if (one.at(bank, byte) != other.at(bank, byte)) places[{bank, byte}] = 0;
     }
   }
-}
-
-/// v of v + d(v) = r, by the loop itself.
-double resting_drive(const Disturbance& d, Disturbance::Branch branch, double r) {
-  constexpr int kPasses = 200;
-  double v = r;
-  for (int pass = 0; pass < kPasses; ++pass) v = r - d.value(branch, v);
-  return v;
 }
 
 /// What to do and to read when the board is switched on for the first time.
@@ -70,8 +63,8 @@ std::string power_on_text(const ControllerVariant& variant, const Disturbance& d
   for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     const auto volts = [&](double x) { return fmt::format("{:.3f}", variant.scale.volts(x)); };
     data["readings"].push_back({{"r", volts(r)},
-                                {"up", volts(resting_drive(disturbance, ascending, r))},
-                                {"down", volts(resting_drive(disturbance, descending, r))}});
+                                {"up", volts(settled_drive(disturbance, ascending, 1.0, r))},
+                                {"down", volts(settled_drive(disturbance, descending, 1.0, r))}});
   }
   for (const std::string& warning : streams.warnings) data["warnings"].push_back({{"text", warning}});
   return render_template("fpaa/controller_power_on.md", data);

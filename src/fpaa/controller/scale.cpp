@@ -21,7 +21,8 @@ double derivative(const Disturbance& d, Direction branch, double x) {
   return a[0] + x * (2.0 * a[1] + x * 3.0 * a[2]);
 }
 
-/// v of v + K d(v) = r near r: what a converging loop settles at; a few passes otherwise.
+}  // namespace
+
 double settled_drive(const Disturbance& d, Direction branch, double gain, double r) {
   constexpr int kPasses = 60;
   double v = r;
@@ -32,8 +33,6 @@ double settled_drive(const Disturbance& d, Direction branch, double gain, double
   }
   return std::clamp(r - gain * d.value(branch, r), -1.0, 2.0);
 }
-
-}  // namespace
 
 std::vector<double> rate_gains(const Disturbance& d, Direction branch, bool compensated) {
   if (compensated || d.rate.frequency.empty()) return {1.0};

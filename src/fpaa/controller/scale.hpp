@@ -30,6 +30,9 @@ DriveRange drive_range(const Disturbance& disturbance, bool ascending_compensate
 /// free.
 VoltScale volt_scale(const DriveRange& range, bool bipolar, double full_scale_v);
 
+/// v of v + K d(v) = r near r: what a converging loop settles at; a few passes otherwise.
+double settled_drive(const Disturbance& disturbance, Disturbance::Branch branch, double gain, double r);
+
 /// Greatest |d| of a branch over the range.
 double greatest_disturbance(const Disturbance& disturbance, Disturbance::Branch branch,
                             const DriveRange& range);

@@ -34,9 +34,7 @@ struct Board {
   int io_cells_per_chip = 7;
   int max_capacitor = 255;  ///< in unit capacitances
   Hertz master_clock{16e6};
-  double full_scale_v = 3.0;  ///< differential signals clip at +- this
-  double common_mode_v = 1.5;
-  double lookup_full_scale_v = 3.0;
+  double full_scale_v = 3.0;        ///< differential signals clip at +- this
   Hertz settling_product{19.68e6};  ///< (1 + gain) * fc of a gain stage may not exceed this
 };
 

@@ -61,6 +61,16 @@ std::optional<LegalClock> find_clock(const Board& board, Hertz frequency) {
   return nearest;
 }
 
+std::optional<int> common_system_divisor(std::span<const std::int64_t> totals) {
+  const auto at = std::find_if(divisors().begin(), divisors().end(), [&](int system) {
+    return std::all_of(totals.begin(), totals.end(), [&](std::int64_t total) {
+      return total % system == 0 && total / system <= kLargestDivisor &&
+             is_legal_divisor(static_cast<int>(total / system));
+    });
+  });
+  return at == divisors().end() ? std::nullopt : std::optional(*at);
+}
+
 LegalClock nearest_clock(const Board& board, Hertz frequency) {
   const auto& table = total_divisors();
   const double total = board.master_clock.value / frequency.value;

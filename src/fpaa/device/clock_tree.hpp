@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,9 @@ struct LegalClock {
 };
 /// The way to reach a frequency exactly (relative 1e-9), or nothing.
 std::optional<LegalClock> find_clock(const Board& board, Hertz frequency);
+/// The smallest system divisor from which chip clocks with all these total divisors of the master clock come; nothing where none does.
+/// (Both system clocks get it: no public stream shows which of them a chip clock takes.)
+std::optional<int> common_system_divisor(std::span<const std::int64_t> totals);
 /// The legal clock nearest (in ratio) to a frequency.
 LegalClock nearest_clock(const Board& board, Hertz frequency);
 

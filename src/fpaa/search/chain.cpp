@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/whole_number.hpp"
+#include "fpaa/device/clock_tree.hpp"
 #include "fpaa/search/score.hpp"
 
 namespace bodesmith::fpaa {
@@ -40,24 +41,15 @@ std::vector<int> halvings_of(const std::vector<StageRoots>& stages, const ChainC
     const double reach = stage.highest_clock_hz();
     const double wanted = std::max(wanted_clock_hz(stage, clocks, band_top), clocks.lowest.value);
     int j = 0;
-    while (j < most && fastest / std::exp2(j + 1) >= std::min(wanted, reach)) ++j;
-    while (j < most && fastest / std::exp2(j) > reach) ++j;
+    while (j < most && fastest / std::exp2(j + 1) >= std::min(wanted, reach) * (1.0 - kSame)) ++j;
+    while (j < most && fastest / std::exp2(j) > reach * (1.0 + kSame)) ++j;
     out.push_back(j);
   }
   return out;
 }
 
-/// Whether a chip makes this divisor of its master clock: a system divisor times a clock's own, each 1 or even up to kMostDivisor.
-bool is_made_by_a_chip(std::int64_t total) {
-  const auto legal = [](std::int64_t d) { return d == 1 || (d % 2 == 0 && d <= kMostDivisor); };
-  for (std::int64_t system = 1; system <= kMostDivisor; ++system) {
-    if (legal(system) && total % system == 0 && legal(total / system)) return true;
-  }
-  return false;
-}
-
 bool is_reached(const StageRoots& stage, double clock_hz, Hertz lowest) {
-  if (clock_hz < lowest.value) return false;
+  if (clock_hz < lowest.value * (1.0 - kSame)) return false;
   if (clock_hz > 1.1 * stage.highest_clock_hz()) return false;
   for (const Complex& pole : stage.poles) {
     if (std::abs(pole) > kSamplesARadian * clock_hz) return false;
@@ -94,7 +86,7 @@ std::vector<std::size_t> order_of(const std::vector<StageRoots>& stages, const s
       }
       // What falls without end (a stop band) counts like any other deep place.
       const double range = std::min(high - low, 30.0);
-      if (range < least * (1.0 - 1e-9)) {
+      if (range < least * (1.0 - kSame)) {
         least = range;
         best = i;
       }
@@ -138,9 +130,9 @@ bool set_gain(Design& design, const StageFactorTable& table) {
 std::int64_t fastest_divisor(double master_hz, double clock_hz) {
   const double total = std::clamp(master_hz / clock_hz, 2.0, 65536.0);
   double by = 1.0;
-  while (total / by > kMostDivisor) by *= 2.0;
+  while (total / by > kMostDivisor * (1.0 + kSame)) by *= 2.0;
   return whole_number<std::int64_t>(by) * 2 *
-         whole_number<std::int64_t>(std::max(1.0, std::floor(total / by / 2.0)));
+         whole_number<std::int64_t>(std::max(1.0, std::floor(total / by / 2.0 * (1.0 + kSame))));
 }
 
 std::optional<Chain> chain_design(std::vector<StageRoots> stages, const ChainClocks& clocks, int gains,
@@ -162,8 +154,10 @@ std::optional<Chain> chain_design(std::vector<StageRoots> stages, const ChainClo
   for (const std::size_t s : order_of(stages, halvings, target)) {
     const double clock = fastest / std::exp2(halvings[s]);
     if (!is_reached(stages[s], clock, clocks.lowest)) return std::nullopt;
-    if (!is_made_by_a_chip(divisor << halvings[s])) return std::nullopt;
-    const std::vector<DesignStage> made = initial_stages(stages[s], clock);
+    const std::int64_t total[] = {divisor << halvings[s]};
+    if (!common_system_divisor(total)) return std::nullopt;
+    const std::vector<DesignStage> made = stages[s].poles.empty() ? std::vector{gain_stage(out.stages.size())}
+                                                                  : initial_stages(stages[s], clock);
     if (made.empty()) return std::nullopt;
     const int base = static_cast<int>(out.stages.size());
     for (const DesignStage& stage : made) {

@@ -33,5 +33,7 @@ struct Design {
 
 /// To a millionth: what two processors make of one search differs in the last digits, and what is chosen from it should not.
 double snapped(double value);
+/// Figures nearer to one another than this share of them are the same: rounding is some 1e-13 of what is compared.
+inline constexpr double kSame = 1e-9;
 
 }  // namespace bodesmith::fpaa

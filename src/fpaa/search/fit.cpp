@@ -78,6 +78,9 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
   LeastSquaresOptions options;
   options.max_iterations = iterations;
   options.broyden = false;
+  // What is nearly free (stages that could take over from one another) is not taken where rounding would have it: 1e-13 becomes 1e-9 by
+  // this, a thousandth of what is snapped.
+  options.least_damping = 1e-4;
   options.uncertainty = false;
   options.jacobian = [&](const Eigen::VectorXd& values, Eigen::MatrixXd& out) {
     set(values);

@@ -12,27 +12,6 @@ namespace bodesmith::fpaa {
 namespace {
 
 constexpr std::size_t kClocksOfChip = 6;
-constexpr std::int64_t kMostOfOneDivisor = 510;
-
-/// One system divisor (the smallest; both system clocks get it, as no public stream shows which of them a chip clock takes) and the
-/// chip clocks' own for these total divisors; nothing when the tree has no such set.
-std::optional<ClockPlan> clock_tree_of(const std::vector<std::int64_t>& totals) {
-  const auto legal = [](std::int64_t d) {
-    return d <= kMostOfOneDivisor && is_legal_divisor(static_cast<int>(d));
-  };
-  for (std::int64_t system = 1; system <= kMostOfOneDivisor; ++system) {
-    const bool all = legal(system) && std::all_of(totals.begin(), totals.end(), [&](std::int64_t total) {
-                       return total % system == 0 && legal(total / system);
-                     });
-    if (!all) continue;
-    ClockPlan out;
-    out.sys1_divisor = static_cast<int>(system);
-    out.sys2_divisor = static_cast<int>(system);
-    for (const std::int64_t total : totals) out.clocks.push_back({1, static_cast<int>(total / system)});
-    return out;
-  }
-  return std::nullopt;
-}
 
 /// What of one chip is taken.
 struct DesignRoom {
@@ -87,7 +66,7 @@ class DesignPlacer {
       if (!known) {
         std::vector<std::int64_t> with = room.divisors;
         with.push_back(stage.divisor);
-        if (!clock_tree_of(with)) continue;
+        if (!common_system_divisor(with)) continue;
       }
       if (!take_cab(room, need, cab_of_[s])) continue;
       if (!known) room.divisors.push_back(stage.divisor);
@@ -139,9 +118,11 @@ class DesignPlacer {
       ChipPlan plan;
       plan.chip = chip + 1;
       plan.master_clock = board_.master_clock;
-      const auto tree = clock_tree_of(room.divisors);
-      if (!tree) return false;
-      plan.clocks = *tree;
+      const std::optional<int> system = common_system_divisor(room.divisors);
+      if (!system) return false;
+      plan.clocks = {*system, *system, {}};
+      for (const std::int64_t total : room.divisors)
+        plan.clocks.clocks.push_back({1, static_cast<int>(total / *system)});
       for (std::size_t s = 0; s < design_.stages.size(); ++s) {
         if (chip_of_[s] != chip) continue;
         PlacedCam cam = placed(design_.stages[s]);

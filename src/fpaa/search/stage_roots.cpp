@@ -17,6 +17,10 @@ constexpr double kHelpingPole = 2.0;  ///< -D of the pole that makes a pair of a
 constexpr double kHelpingZero = 0.3;  ///< its D^2 against D
 constexpr double kHighQuality = 1.5;  ///< above, the form whose C4 is not small
 constexpr double kBig = 200.0;        ///< units to start with
+/// Static capacitor over switched one of a gain that the fit begins with, and by what with each stage before it: of gains that begin alike
+/// nothing but rounding decides in which direction they part.
+constexpr double kGainStatic = 0.5;
+constexpr double kNextGain = 0.5;
 
 bool is_complex(Complex root) {
   return std::abs(root.imag()) > 1e-9 * std::abs(root);
@@ -44,7 +48,7 @@ class RootSharing {
     for (std::size_t i = 0; i + 1 < complex_poles_.size(); i += 2) {
       out_.push_back({{complex_poles_[i], complex_poles_[i + 1]}, {}, true});
     }
-    while (!real_poles_.empty() && std::abs(real_poles_.front()) < lowest()) pair_lowest();
+    while (!real_poles_.empty() && std::abs(real_poles_.front()) < lowest() * (1.0 - kSame)) pair_lowest();
     for (std::size_t i = 0; i + 1 < complex_zeros_.size(); i += 2) {
       give_complex({complex_zeros_[i], complex_zeros_[i + 1]});
     }
@@ -68,8 +72,9 @@ class RootSharing {
     StageRoots stage{{real_poles_.front()}, {}, true};
     real_poles_.erase(real_poles_.begin());
     if (!real_poles_.empty()) {
-      auto at = std::find_if(real_poles_.begin(), real_poles_.end(),
-                             [&](Complex p) { return std::sqrt(std::abs(p * stage.poles[0])) >= lowest(); });
+      auto at = std::find_if(real_poles_.begin(), real_poles_.end(), [&](Complex p) {
+        return std::sqrt(std::abs(p * stage.poles[0])) >= lowest() * (1.0 - kSame);
+      });
       if (at == real_poles_.end()) --at;
       stage.poles.push_back(*at);
       real_poles_.erase(at);
@@ -88,7 +93,7 @@ class RootSharing {
     std::size_t pair = real_poles_.size();
     for (std::size_t i = 0; i + 1 < real_poles_.size(); ++i) {
       const double apart = distance(std::sqrt(std::abs(real_poles_[i] * real_poles_[i + 1])));
-      if (apart < least * (1.0 - 1e-9)) {
+      if (apart < least * (1.0 - kSame)) {
         least = apart;
         pair = i;
       }
@@ -108,7 +113,7 @@ class RootSharing {
               [](double a, double b) { return std::abs(a) < std::abs(b); });
     std::vector<double> easy;
     for (const double z : real_zeros_) {
-      if (z != 0.0 && std::abs(z) < lowest()) {
+      if (z != 0.0 && std::abs(z) < lowest() * (1.0 - kSame)) {
         give({z}, true);
       } else {
         easy.push_back(z);
@@ -128,7 +133,7 @@ class RootSharing {
     StageRoots* best = nullptr;
     for (StageRoots& stage : out_) {
       if (stage.zeros.size() >= (stage.second ? 2u : 1u)) continue;
-      if (best == nullptr || stage.corner() < best->corner() * (1.0 - 1e-9)) best = &stage;
+      if (best == nullptr || stage.corner() < best->corner() * (1.0 - kSame)) best = &stage;
     }
     if (best == nullptr) {
       possible_ = false;
@@ -164,7 +169,7 @@ class RootSharing {
       const std::size_t room = (stage.second ? 2 : 1) - stage.zeros.size();
       if (room < zeros.size() || (second && !stage.second)) continue;
       const double distance = std::abs(std::log(stage.corner()) - at);
-      if (distance < least) {
+      if (distance < least - kSame) {
         least = distance;
         best = &stage;
       }
@@ -196,10 +201,6 @@ double ratio_of(double root, double period) {
 Stage first_order_stage(const StageRoots& roots, double period) {
   Stage out;
   out.from = {Stage::kBoardInput};
-  if (roots.poles.empty()) {
-    out.c = {0.5 * kBig, 0.25 * kBig, 0.5 * kBig, 0.25 * kBig};
-    return out;
-  }
   const double pole = ratio_of(roots.poles[0].real(), period);  // aCout/Cout
   double cin = 1.0;
   double acin = 0.0;
@@ -240,7 +241,7 @@ Resonance resonance_of(const StageRoots& roots, double period) {
   Resonance out;
   out.mu = (a * b).real();
   out.lambda = -(a + b).real();
-  out.high = std::sqrt(out.mu) / std::max(out.lambda, 1e-12) > kHighQuality;
+  out.high = std::sqrt(out.mu) / std::max(out.lambda, 1e-12) > kHighQuality * (1.0 + kSame);
   if (out.high) out.gamma = (out.lambda + out.mu) / (1.0 + out.lambda + out.mu);
   out.root = std::sqrt(out.mu * (1.0 - out.gamma));
   return out;
@@ -366,7 +367,7 @@ double StageRoots::highest_clock_hz() const {
   if (second && poles.size() == 2) {
     const double sum = -(poles[0] + poles[1]).real();
     const double quality = corner() / sum;
-    lowest = std::min(corner(), quality > kHighQuality ? corner() : sum);
+    lowest = std::min(corner(), quality > kHighQuality * (1.0 + kSame) ? corner() : sum);
     if (!is_complex(poles[0])) lowest = corner();
   } else if (second) {
     lowest = kOneRatio * std::abs(poles[0]);
@@ -415,6 +416,15 @@ std::vector<StageRoots> shared_roots(const Sections& sections, const SharingOpti
   for (std::size_t n = 0; n < options.joined; ++n) {
     if (!join_lowest_and_highest(out)) return {};
   }
+  return out;
+}
+
+Stage gain_stage(std::size_t before) {
+  Stage out;
+  out.from = {Stage::kBoardInput};
+  const double switched = 0.5 * kBig;
+  const double fixed = switched * kGainStatic * std::pow(kNextGain, static_cast<double>(before));
+  out.c = {switched, fixed, switched, fixed};
   return out;
 }
 

@@ -42,6 +42,9 @@ struct SharingOptions {
 /// Shares the roots of all sections out over stages; empty when some zero finds no place.
 std::vector<StageRoots> shared_roots(const Sections& sections, const SharingOptions& options);
 
+/// A stage that only inverts, with so many others before it.
+DesignStage gain_stage(std::size_t before);
+
 /// Capacitors (not whole, about 200 units the largest) that put these roots where z = exp(sT) does, T the period of `clock_hz`.
 /// One stage, or two where the roots are subtracted; inputs are kBoardInput, for the second stage the first (0) and then
 /// kBoardInput. Empty when a capacitor would have to be negative.

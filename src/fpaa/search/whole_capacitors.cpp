@@ -106,6 +106,7 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
   const auto add = [&](double c2, double c3, double c4, double ca, double cb) {
     double off = std::abs(c2 * c3 / (ca * cb) / product - 1.0) +
                  std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) / (high ? 4.0 : 1.0);
+    off = snapped(off);
     if (found.size() == count && off >= found.back().first) return;
     std::vector<double> c = e;
     c[Stage::kC2] = c2;
@@ -130,7 +131,7 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
         least = wide;
         gain = c1 / alone;
       }
-      off += std::min(least, 1.0);
+      off = snapped(off + std::min(least, 1.0));
       if (found.size() == count && off >= found.back().first) return;
     }
     for (const int i : {Stage::kC1, Stage::kCp, Stage::kCpp}) {

@@ -12,6 +12,7 @@
 #include "base/text_template.hpp"
 #include "base/version.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/network/switched_network.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 
 namespace bodesmith::fpaa {
@@ -25,82 +26,46 @@ std::string spice_number(double value) {
   return fmt::format("{:.9g}", value);
 }
 
-/// The lines of one CAM's subcircuit: pins in1 … out p1 p2.
-class StageWriter {
- public:
-  explicit StageWriter(const NetlistParts& parts) : parts_(parts) {}
-
-  std::vector<std::string> lines(const StageSwitches& stage) {
-    for (std::size_t k = 0; k < stage.opamps.size(); ++k) add_opamp(stage, k);
-    for (std::size_t c = 0; c < stage.capacitors.size(); ++c) add_capacitor(stage, c);
-    return std::move(lines_);
+/// The lines of one CAM's subcircuit, pins in1 … out p1 p2: its network, the same that its response is worked out of.
+std::vector<std::string> stage_lines(const StageSwitches& stage, const NetlistParts& parts) {
+  const SwitchedNetwork network = network_of(stage);
+  std::vector<std::string> names{"0"};
+  for (int node = 1; node < network.nodes; ++node) names.push_back(fmt::format("u{}", node));
+  const auto name = [&](int node) -> std::string& { return names[static_cast<std::size_t>(node)]; };
+  for (std::size_t i = 0; i < network.inputs.size(); ++i)
+    name(network.inputs[i]) = fmt::format("in{}", i + 1);
+  for (std::size_t k = 0; k < network.opamps.size(); ++k) {
+    name(network.opamps[k].minus) = fmt::format("n{}", k + 1);
+    const bool is_output = static_cast<int>(k) == network.output;
+    name(network.opamps[k].out) = is_output ? "out" : fmt::format("a{}", k + 1);
   }
-
- private:
-  static std::string output_node(const StageSwitches& stage, int opamp) {
-    return opamp == stage.output ? "out" : fmt::format("a{}", opamp);
+  std::vector<std::string> out;
+  const double gm = 2.0 * std::numbers::pi * parts.opamp.gain_bandwidth.value * kPolePart;
+  for (std::size_t k = 1; k <= network.opamps.size(); ++k) {
+    const SwitchedNetwork::OpAmp& amp = network.opamps[k - 1];
+    out.push_back(fmt::format("GA{0} x{0} 0 {1} 0 {2}", k, name(amp.minus), spice_number(gm)));
+    out.push_back(fmt::format("CA{0} x{0} 0 {1}", k, spice_number(kPolePart)));
+    out.push_back(fmt::format("RA{0} x{0} 0 {1}", k, spice_number(parts.opamp.gain / gm)));
+    out.push_back(fmt::format("EA{0} {1} 0 x{0} 0 1", k, name(amp.out)));
   }
-  static std::string node_name(const StageSwitches& stage, const PlateNode& node) {
-    switch (node.kind) {
-      case PlateNode::Kind::input:
-        return fmt::format("in{}", node.number);
-      case PlateNode::Kind::opamp:
-        return output_node(stage, node.number);
-      case PlateNode::Kind::virtual_ground:
-        return fmt::format("n{}", node.number);
-      case PlateNode::Kind::open:
-      case PlateNode::Kind::ground:
-        break;
-    }
-    return "0";
+  for (std::size_t s = 1; s <= network.switches.size(); ++s) {
+    const SwitchedNetwork::Switch& at = network.switches[s - 1];
+    out.push_back(fmt::format("GS{0} {1} {2} VALUE={{V({1},{2})*V(p{3})*{4}}}", s, name(at.a), name(at.b),
+                              at.phase, spice_number(1.0 / parts.switch_on_ohm)));
+    out.push_back(
+        fmt::format("RS{} {} {} {}", s, name(at.a), name(at.b), spice_number(parts.switch_off_ohm)));
   }
-
-  void add_switch(const std::string& from, const std::string& to, int phase) {
-    ++switches_;
-    lines_.push_back(fmt::format("GS{} {} {} VALUE={{V({},{})*V(p{})*{}}}", switches_, from, to, from, to,
-                                 phase, spice_number(1.0 / parts_.switch_on_ohm)));
-    lines_.push_back(fmt::format("RS{} {} {} {}", switches_, from, to, spice_number(parts_.switch_off_ohm)));
+  for (const SwitchedNetwork::Capacitor& c : network.capacitors) {
+    out.push_back(fmt::format("C{} {} {} {}", c.name, name(c.a), name(c.b),
+                              spice_number(c.size * parts.unit_capacitance_f)));
   }
-
-  /// Where a plate's capacitor ends: at a fixed node, or at a node of its own behind switches.
-  std::string plate_node(const StageSwitches& stage, const Plate& plate, const std::string& own) {
-    if (plate.is_static()) return node_name(stage, plate.phase1);
-    if (plate.phase1.kind != PlateNode::Kind::open) add_switch(node_name(stage, plate.phase1), own, 1);
-    if (plate.phase2.kind != PlateNode::Kind::open) add_switch(node_name(stage, plate.phase2), own, 2);
-    add_stray(own);
-    return own;
+  for (const std::string& node : names) {
+    if (node[0] != 'u' && node[0] != 'n') continue;
+    out.push_back(
+        fmt::format("CY{0} {0} 0 {1}", node, spice_number(parts.stray_units * parts.unit_capacitance_f)));
   }
-
-  void add_stray(const std::string& node) {
-    lines_.push_back(
-        fmt::format("CY{0} {0} 0 {1}", node, spice_number(parts_.stray_units * parts_.unit_capacitance_f)));
-  }
-
-  void add_opamp(const StageSwitches& stage, std::size_t index) {
-    const int k = static_cast<int>(index) + 1;
-    const double gm = 2.0 * std::numbers::pi * parts_.opamp.gain_bandwidth.value * kPolePart;
-    lines_.push_back(fmt::format("GA{0} x{0} 0 n{0} 0 {1}", k, spice_number(gm)));
-    lines_.push_back(fmt::format("CA{0} x{0} 0 {1}", k, spice_number(kPolePart)));
-    lines_.push_back(fmt::format("RA{0} x{0} 0 {1}", k, spice_number(parts_.opamp.gain / gm)));
-    lines_.push_back(fmt::format("EA{0} {1} 0 x{0} 0 1", k, output_node(stage, k)));
-    add_stray(fmt::format("n{}", k));
-    const int reset = stage.opamps[index].reset_phase;
-    if (reset != 0) add_switch(output_node(stage, k), fmt::format("n{}", k), reset);
-  }
-
-  void add_capacitor(const StageSwitches& stage, std::size_t index) {
-    const StageCapacitor& c = stage.capacitors[index];
-    if (!(c.units > 0.0)) return;
-    const std::string near = plate_node(stage, c.near, fmt::format("u{}", index + 1));
-    const std::string far = plate_node(stage, c.far, fmt::format("w{}", index + 1));
-    lines_.push_back(
-        fmt::format("C{} {} {} {}", c.name, near, far, spice_number(c.units * parts_.unit_capacitance_f)));
-  }
-
-  const NetlistParts& parts_;
-  std::vector<std::string> lines_;
-  int switches_ = 0;
-};
+  return out;
+}
 
 Json board_clock_json(std::size_t number, double period, const NetlistParts& parts) {
   const double gap = parts.gap * period;
@@ -177,7 +142,7 @@ Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, 
                             {"subcircuit", name},
                             {"pins", pins + "out p1 p2"},
                             {"nodes", nodes + fmt::format("o_{0} c{1}p1 c{1}p2", name, clock)},
-                            {"elements", line_list(StageWriter(parts).lines(*stage))}});
+                            {"elements", line_list(stage_lines(*stage, parts))}});
   }
   if (!graph.output) return Refusal{"no wire leads to an output pin, expected one"};
   data["links"] = line_list({fmt::format("Eout out 0 {} 0 1", source_name(graph, *graph.output))});

@@ -112,14 +112,12 @@ class PlanReader {
       }
       if (auto refusal = add_converter_clock(chip, cam, total, totals)) return refusal;
     }
-    for (int system = 1; system <= kLargestStreamDivisor; system += system == 1 ? 1 : 2) {
-      const bool fits = std::all_of(totals.begin(), totals.end(), [&](const auto& entry) {
-        return entry.second % system == 0 && is_legal_divisor(entry.second / system);
-      });
-      if (!fits) continue;
-      out.system_divisor = system;
-      for (const auto& [clock, total] : totals) out.clock_divisors[clock] = total / system;
-      warn_of_system_divisor(chip, system, totals);
+    std::vector<std::int64_t> all;
+    for (const auto& [clock, total] : totals) all.push_back(total);
+    if (const std::optional<int> system = common_system_divisor(all)) {
+      out.system_divisor = *system;
+      for (const auto& [clock, total] : totals) out.clock_divisors[clock] = total / *system;
+      warn_of_system_divisor(chip, *system, totals);
       return std::nullopt;
     }
     return Refusal{fmt::format(

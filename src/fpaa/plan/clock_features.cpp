@@ -65,17 +65,25 @@ std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
   return out;
 }
 
-std::vector<double> clock_lines_hz(double clock_hz, double sine_hz) {
+std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, double sine_hz, Band band) {
   constexpr int kFirstMultiples = 12;
   constexpr int kNearZero = 3;
   std::vector<double> out;
-  const double nearest = -std::round(sine_hz / clock_hz);
-  for (int k = -kFirstMultiples; k <= kFirstMultiples; ++k) {
-    if (k != 0) out.push_back(k * clock_hz + sine_hz);
-  }
-  for (int by = -kNearZero; by <= kNearZero; ++by) {
-    const double k = nearest + by;
-    if (std::abs(k) > kFirstMultiples) out.push_back(k * clock_hz + sine_hz);
+  for (const double clock : clocks_hz) {
+    const auto add = [&](double k) {
+      const double line = k * clock + sine_hz;
+      const bool within = std::abs(line) >= band.from.value && std::abs(line) <= band.to.value;
+      const bool known = std::any_of(out.begin(), out.end(),
+                                     [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
+      if (within && !known) out.push_back(line);
+    };
+    for (int k = -kFirstMultiples; k <= kFirstMultiples; ++k) {
+      if (k != 0) add(k);
+    }
+    const double nearest = -std::round(sine_hz / clock);
+    for (int by = -kNearZero; by <= kNearZero; ++by) {
+      if (std::abs(nearest + by) > kFirstMultiples) add(nearest + by);
+    }
   }
   return out;
 }

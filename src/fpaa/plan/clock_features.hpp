@@ -26,8 +26,8 @@ std::vector<ClockedPole> clocked_poles(const Plan& plan);
 std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
                                std::span<const double> offsets, int multiples);
 
-/// Lines that a clock puts beside a sine: k fc + f (below 0: the conjugate line above) for the first multiples and for those whose
-/// lines are nearest to 0, without the sine's own.
-std::vector<double> clock_lines_hz(double clock_hz, double sine_hz);
+/// Lines that clocks put beside a sine, each once: k fc + f (below 0: the conjugate line above) for the first multiples and for those
+/// whose lines are nearest to 0, without the sine's own; of these the ones whose |frequency| lies in the band.
+std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, double sine_hz, Band band);
 
 }  // namespace bodesmith::fpaa

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <set>
 
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/clock_features.hpp"
@@ -16,6 +15,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kImagesBelowHz = 1e5;
+constexpr double kLeastLineHz = 1e-12;  ///< nearer to 0 it is no line
 
 /// int_0^x sin(u)/u du, to 1e-6 (series; auxiliary functions of Abramowitz and Stegun 5.2.38-39 above 4).
 double sine_integral(double x) {
@@ -105,8 +105,10 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   constexpr double kPieces = 1e6;  // of waveforms and their lines
   constexpr int kBeatMultiples = 3;
   constexpr double kBesideClock[] = {-0.3, 0.3};
-  std::set<double> clocks;
-  for (const PlacedCam* cam : plan.cams()) clocks.insert(cam->clock_a.value);
+  std::vector<double> clocks;
+  for (const PlacedCam* cam : plan.cams()) clocks.push_back(cam->clock_a.value);
+  std::sort(clocks.begin(), clocks.end());
+  clocks.erase(std::unique(clocks.begin(), clocks.end()), clocks.end());
   const double cost = static_cast<double>(board.pieces() * clocks.size() * kSignals);
   std::vector<Hertz> signals = log_grid(band, cost > kPieces ? kSignals / 2 : kSignals);
   const std::size_t spread = signals.size();
@@ -116,14 +118,7 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   ImageLines out;
   for (std::size_t s = 0; s < signals.size(); ++s) {
     const Hertz f = signals[s];
-    std::vector<double> lines;  // below 0: the conjugate line above
-    for (const double clock : clocks) {
-      for (const double line : clock_lines_hz(clock, f.value)) {
-        const bool known = std::any_of(lines.begin(), lines.end(),
-                                       [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
-        if (!known && std::abs(line) < kImagesBelowHz && line != 0.0) lines.push_back(line);
-      }
-    }
+    std::vector<double> lines = clock_lines_hz(clocks, f.value, {{kLeastLineHz}, {kImagesBelowHz}});
     lines.push_back(f.value);
     const std::vector<Complex> sizes = board.components(f, lines);
     lines.pop_back();

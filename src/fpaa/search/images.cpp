@@ -90,18 +90,8 @@ double image_share(const Design& design, const DesignTarget& target) {
   double sum = 0.0;
   for (std::size_t k = 0; k < sines.grid.size(); ++k) {
     const double f = sines.grid[k].hz().value;
-    std::vector<double> lines;
-    for (const double clock : clocks) {
-      for (const double line : clock_lines_hz(clock, f)) {
-        const bool within =
-            std::abs(line) >= target.band.from.value && std::abs(line) <= target.band.to.value;
-        const bool known = std::any_of(lines.begin(), lines.end(),
-                                       [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
-        if (within && !known) lines.push_back(line);
-      }
-    }
     double squares = 0.0;
-    for (const double line : lines) {
+    for (const double line : clock_lines_hz(clocks, f, target.band)) {
       const double away = 2.0 * std::numbers::pi * (line - f);
       squares += std::norm(line_of(response, k, sines.grid[k].value, away));
     }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/whole_number.hpp"
+#include "fpaa/search/score.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -303,17 +304,13 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
 double error_with_mismatch(const Design& design, const StageFactorTable& table, const RoundingWidth& width) {
   const DesignResponse response(design, table);
   const std::vector<Complex> errors = response.errors();
-  std::vector<double> variance(errors.size(), 0.0);
-  const CapacitorEffects effects = capacitor_effects(response);
-  for (const CapacitorEffect& effect : effects.list) {
-    if (!design.stages[effect.stage].whole) continue;
-    const double sigma = width.mismatch.relative_sigma(design.stages[effect.stage].c[effect.capacitor]);
-    for (std::size_t k = 0; k < variance.size(); ++k)
-      variance[k] += std::norm(effect.values[k]) * sigma * sigma;
-  }
+  CapacitorEffects effects = capacitor_effects(response);
+  std::erase_if(effects.list, [&](const CapacitorEffect& e) { return !design.stages[e.stage].whole; });
+  std::vector<double> sigma = mismatch_sigma(effects, design, width.mismatch);
+  sigma.resize(errors.size(), 0.0);
   double out = 0.0;
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    const double here = error_of_95_percent(errors[k], std::sqrt(variance[k]));
+    const double here = error_of_95_percent(errors[k], sigma[k]);
     if (!(here <= out)) out = here;
   }
   return out;

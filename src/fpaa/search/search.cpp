@@ -126,8 +126,8 @@ class ChainSearch {
       const auto clock = find_clock(board_, *options_.clock);
       if (!clock) {
         return Refusal{fmt::format("no chip clock is {} Hz, the nearest is {} Hz",
-                                   rounded_text(options_.clock->value),
-                                   rounded_text(nearest_clock(board_, *options_.clock).frequency.value))};
+                                   rounded_text(options_.clock->value, 9),
+                                   rounded_text(nearest_clock(board_, *options_.clock).frequency.value, 9))};
       }
       given_ = std::int64_t{clock->system_divisor} * clock->divisor;
     }

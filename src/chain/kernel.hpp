@@ -19,6 +19,8 @@ struct LinearKernel : StateSpace {
   /// Not 0 when the linear system is itself an approximation (a fractional term): a bound on
   /// |H_this/H_exact - 1| over all frequencies.
   double approximation_error = 0.0;
+
+  bool operator==(const LinearKernel&) const = default;
 };
 
 /// y = f(u), no memory.

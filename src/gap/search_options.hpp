@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 
 #include "gap/drive_request.hpp"
 #include "gap/effect.hpp"
@@ -70,7 +71,8 @@ struct BoundOptions {
   double of_rest = 0.25;
   /// The same of the gap that the base model leaves: less is the first name's form.
   double of_gap = 0.1;
-  std::size_t max_unknowns = 99;  ///< of one term; few when there is one excitation only
+  /// Of one term; few when there is one excitation only.
+  std::size_t max_unknowns = std::numeric_limits<std::size_t>::max();
 };
 
 /// Two effects that hide each other [5]: what each effect promises beside each of a few first names.

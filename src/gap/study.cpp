@@ -44,12 +44,11 @@ void validate_size(const std::string& file, std::size_t size, std::size_t min_si
 
 /// Cubes of signals, and squares of sums of them, must stay numbers.
 constexpr double kLargest = 1e30;
-constexpr double kSmallest = 1e-30;
 
 void validate_values(const std::string& file, const char* what, const std::vector<double>& values) {
   double size = 0.0;
   for (double v : values) size = std::max(size, std::abs(v));
-  if (size > kLargest || (size > 0.0 && size < kSmallest)) {
+  if (size > kLargest || (size > 0.0 && size < 1.0 / kLargest)) {
     throw InputError(
         file, 0,
         fmt::format("has {} of size {:g}, expected 1e-30 to 1e30: give it another unit", what, size));

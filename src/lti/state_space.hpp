@@ -32,6 +32,7 @@ struct StateSpace {
   double offset = 0.0;
 
   std::size_t order() const { return b.size(); }
+  bool operator==(const StateSpace&) const = default;
 };
 
 /// y for the states x under the input u.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <stdexcept>
 
 #include "base/progress.hpp"
@@ -84,7 +83,7 @@ struct RecordSimulator::Implementation {
   std::vector<double> main_state;
   std::vector<double> beside_state;
   std::vector<double> result;
-  LinearPropagator linear;
+  std::vector<PreparedPropagators> linear;  ///< by a stage's first block; a second one for what runs beside
   CollocationPropagator collocation;
   BranchPropagator branch;
   std::size_t degree = 1;
@@ -164,15 +163,18 @@ struct RecordSimulator::Implementation {
 
   /// What rounding may have done to the last run: that of a step, grown by the modes' cancellation, which a mode that
   /// remembers many steps adds up at random.
-  double rounding_error(std::span<const double> y) const {
+  double rounding_error(std::span<const double> y) {
     double size = 0.0;
     for (const double v : y) size = std::max(size, std::abs(v));
     double factor = 1.0;
     for (const RecordStage& stage : stages) {
       if (!stage.linear || stage.merged.order() == 0) continue;
-      const double steps = std::min(1.0 / (linear.slowest_rad_s() * step_s), static_cast<double>(y.size()));
+      LinearKernel k = stage.merged;
+      k.delay_s = 0.0;
+      const LinearPropagator& by = linear_of(stage).of(k, step_s, hold_nodes(1));
+      const double steps = std::min(1.0 / (by.slowest_rad_s() * step_s), static_cast<double>(y.size()));
       factor *=
-          linear.condition() * (static_cast<double>(stage.merged.order()) + std::sqrt(std::max(steps, 1.0)));
+          by.condition() * (static_cast<double>(stage.merged.order()) + std::sqrt(std::max(steps, 1.0)));
     }
     return 4.0 * std::numeric_limits<double>::epsilon() * factor * size;
   }
@@ -200,8 +202,9 @@ struct RecordSimulator::Implementation {
     std::copy_n(state.data() + stage.state, delay > 0 ? stage.front : k.order(), main_state.begin());
     double before = 0.0;
     if (start == Start::equilibrium) rest = before = add_rest(k, rest, main_state.data());
-    linear.prepare(k, step_s, hold_nodes(1));
-    linear.run_samples(result.data(), result.size() - delay, main_state.data());
+    linear_of(stage)
+        .of(k, step_s, hold_nodes(1))
+        .run_samples(result.data(), result.size() - delay, main_state.data());
     if (delay == 0) return;
     std::copy_backward(result.begin(), result.end() - static_cast<std::ptrdiff_t>(delay), result.end());
     std::fill_n(result.begin(), delay, before);
@@ -323,12 +326,13 @@ struct RecordSimulator::Implementation {
       before = add_rest(k, run.rest, main_state.data());
       run.rest = before + add_rest(stage.beside, 0.0, beside_state.data());
     }
-    run_linear(k, run, signal.data(), other.data(), main_state.data(), before);
+    run_linear(linear_of(stage), k, run, signal.data(), other.data(), main_state.data(), before);
     if (delayed && !is_silent(stage.beside, beside_state)) {
       // `signal` is free now.
       std::fill(signal.begin(), signal.end(), 0.0);
       third.resize(signal.size());
-      run_linear(stage.beside, run, signal.data(), third.data(), beside_state.data(), 0.0);
+      run_linear(linear_of(stage, 1), stage.beside, run, signal.data(), third.data(), beside_state.data(),
+                 0.0);
       for (std::size_t i = 0; i < other.size(); ++i) other[i] += third[i];
     }
     // Its states have seen the steps of a clock right; what goes straight through shows them where they are.
@@ -339,17 +343,15 @@ struct RecordSimulator::Implementation {
     std::swap(signal, other);
   }
 
-  void run_linear(const LinearKernel& k, const Run& run, const double* u, double* y, double* x,
-                  double before) {
-    if (run.plan.spans.size() == 1) {
-      linear.prepare(k, run.plan.spans.front().h, run.nodes);
-      return linear.run(u, y, run.plan.spans.front().holds, x, before);
-    }
-    std::map<double, LinearPropagator> by_length;
+  PreparedPropagators& linear_of(const RecordStage& stage, std::size_t beside = 0) {
+    linear.resize(2 * chain.blocks.size());
+    return linear[2 * stage.first + beside];
+  }
+
+  static void run_linear(PreparedPropagators& by, const LinearKernel& k, const Run& run, const double* u,
+                         double* y, double* x, double before) {
     for (const HoldSpan& span : run.plan.spans) {
-      const auto [by, is_new] = by_length.try_emplace(span.h);
-      if (is_new) by->second.prepare(k, span.h, run.nodes, true);
-      by->second.run(u, y, span.holds, x, before);
+      by.of(k, span.h, run.nodes, run.plan.spans.size() > 1).run(u, y, span.holds, x, before);
       u += span.holds * run.nodes.size();
       y += span.holds * run.nodes.size();
     }

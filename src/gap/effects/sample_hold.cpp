@@ -9,9 +9,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A mean lag below this part of a sample is none.
-constexpr double kMinLag = 0.05;
-
 bool dynamics_follow(const Scene& scene, std::size_t at) {
   for (std::size_t k = at; k < scene.model->size(); ++k) {
     if (scene.model->at(k).section_order() > 0) return true;
@@ -57,13 +54,13 @@ class SampleHold final : public Effect {
   /// A held signal lags by half a clock on the average; that, and the staircase itself, tell the clock.
   void propose_in_time(const Scene& scene, std::vector<Proposal>& out) const {
     const double lag_s = mean_lag_s(scene);
-    const bool lags = lag_s > kMinLag * scene.step_s;
+    const bool lags = lag_s > 0.0 && !scene.is_between_samples(lag_s);
     const bool images = images_stand_out(scene);
     if (!images && !lags) return;
     std::array<Starts, 2> stairs;
     if (images)
       parallel_for(2, scene.threads,
-                   [&](std::size_t half) { stairs[half] = clocks_by_stairs(scene, scene.end(), half == 1); });
+                   [&](std::size_t half) { stairs[half] = clocks_of_hold(scene, scene.end(), half == 1); });
     const std::vector<std::size_t> places = scene.static_places();
     std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
     parallel_for(found.size(), scene.threads, [&](std::size_t i) {
@@ -72,7 +69,7 @@ class SampleHold final : public Effect {
       Starts& starts = found[i];
       starts = stairs[half ? 1 : 0];
       if (images && at < scene.model->size() && dynamics_follow(scene, at)) {
-        const auto more = clocks_by_stairs(scene, at, half);
+        const auto more = clocks_of_hold(scene, at, half);
         starts.insert(starts.begin(), more.begin(), more.end());
       }
       if (lags) {
@@ -96,7 +93,7 @@ class SampleHold final : public Effect {
 
   Starts clocks_near_lag(const Scene& scene, std::size_t at, bool half, double lag_s) const {
     const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
-    return clocks_by_lag(scene, hold_block(half, guess), at, guess);
+    return clocks_of_hold(scene, at, half, guess);
   }
 };
 

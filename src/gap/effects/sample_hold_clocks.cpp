@@ -21,11 +21,9 @@ constexpr std::size_t kKept = 8;
 constexpr int kFiner = 4;
 /// Clocks nearer to each other than this over the length of the look are of one peak.
 constexpr double kOnePeak = 0.7;
-/// Samples of the first look (stairs: of theirs), and of the last one.
-constexpr std::size_t kFirstLook = 500;
-constexpr std::size_t kFirstStairs = 1200;
-constexpr std::size_t kLastLook = 12800;
-constexpr std::size_t kLastStairs = 16000;
+/// Samples of the first look, and of the last one.
+constexpr std::size_t kFirstLook = 1200;
+constexpr std::size_t kLastLook = 16000;
 /// The fastest clock that is looked for, in samplings: a hold faster than the record leaves images that sampling
 /// folds down.
 constexpr double kFastestClock = 1.6;
@@ -76,9 +74,9 @@ struct Likeness {
   double value() const { return along > 0.0 && size > 0.0 ? along * along / size : 0.0; }
 };
 
-/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less their mean lag.
+/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less the signal, or less their own mean lag.
 double likeness_to_stairs(const std::vector<double>& signal, const std::vector<double>& residual, bool half,
-                          double cycle, std::size_t from, std::size_t n) {
+                          bool with_lag, double cycle, std::size_t from, std::size_t n) {
   const double late = half ? 0.5 * cycle : 0.0;
   const double lag = 0.5 * cycle + late;
   const auto at = [&](double s) {
@@ -96,7 +94,7 @@ double likeness_to_stairs(const std::vector<double>& signal, const std::vector<d
       held = at(edge);
       next_edge = edge + cycle;
     }
-    likeness.add(residual[i], held - at(mean));
+    likeness.add(residual[i], held - (with_lag ? signal[i] : at(mean)));
   }
   return likeness.value();
 }
@@ -175,19 +173,29 @@ std::vector<std::size_t> promising_clocks(const std::vector<double>& signal,
   return clocks;
 }
 
-/// Clocks whose stairs of a signal the residual is like, best first.
+/// Clocks whose stairs of a signal the residual is like, best first; above 0: lag and all, around `guess_hz`.
 Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
-                        const std::vector<double>& residual, bool half) {
+                        const std::vector<double>& residual, bool half, double guess_hz) {
   const double h = scene.step_s;
+  const bool with_lag = guess_hz > 0.0;
   const auto likeness = [&](double f, std::size_t n) {
-    return likeness_to_stairs(signal, residual, half, 1.0 / (f * h), n / 10, n);
+    return likeness_to_stairs(signal, residual, half, with_lag, 1.0 / (f * h), n / 10, n);
   };
-  const std::size_t last = std::min(residual.size(), kLastStairs);
-  std::size_t length = std::min(last, kFirstStairs);
-  const ClockComb comb(length, std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h)), h);
+  const std::size_t last = std::min(residual.size(), kLastLook);
+  std::size_t length = std::min(last, kFirstLook);
+  const double low_hz =
+      with_lag ? 0.5 * guess_hz : std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h));
+  const ClockComb comb(length, low_hz, h);
   double spacing = comb.spacing_hz;
+  std::vector<std::size_t> clocks;
+  if (with_lag) {
+    for (std::size_t k = comb.first; k < comb.last && comb.clock_hz(k) < 2.2 * guess_hz; ++k)
+      clocks.push_back(k);
+  } else {
+    clocks = promising_clocks(signal, residual, half, comb, kSlowClock / h);
+  }
   std::vector<ScoredClock> scored;
-  for (const std::size_t k : promising_clocks(signal, residual, half, comb, kSlowClock / h))
+  for (const std::size_t k : clocks)
     scored.emplace_back(likeness(comb.clock_hz(k), length), comb.clock_hz(k));
   while (!scene.is_late()) {
     std::sort(scored.rbegin(), scored.rend());
@@ -206,37 +214,6 @@ Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
   }
   return {};
 }
-
-/// What a signal leaves of the measured one, from sample `from` on, when its gain is the best: a gain that is off would
-/// hide the edges.
-double left_by_any_gain(std::span<const double> model, std::span<const double> measured, std::size_t from) {
-  double my = 0.0;
-  double mm = 0.0;
-  double yy = 0.0;
-  for (std::size_t i = from; i < model.size(); ++i) {
-    const double y = measured[i];
-    my += model[i] * y;
-    mm += model[i] * model[i];
-    yy += y * y;
-  }
-  return mm > 0.0 ? std::sqrt(std::max(0.0, yy - my * my / mm)) : std::sqrt(yy);
-}
-
-/// The chain from a hold on: what is in front of it does not depend on its clock.
-struct FromHold {
-  chain::Chain chain;  ///< the hold first
-  std::vector<double> input;
-  std::vector<double> measured;  ///< lines taken off
-
-  FromHold(const Scene& scene, const chain::Block& hold, std::size_t at) : input(scene.boundary[at].values) {
-    chain.blocks.push_back(hold);
-    for (std::size_t k = at; k < scene.end(); ++k) chain.blocks.push_back(scene.model->at(k));
-    const auto& with_lines = scene.boundary.back().values;
-    const auto& without = scene.boundary[scene.end()].values;
-    for (std::size_t i = 0; i < input.size(); ++i)
-      measured.push_back(scene.measured(i) - (with_lines[i] - without[i]));
-  }
-};
 
 /// Mean square of the measured output less the model's, `lag` samples later.
 double distance_at_lag(const Scene& scene, std::size_t lag) {
@@ -262,11 +239,6 @@ double lag_by_slope_s(const Scene& scene) {
     rr += scene.residual[i] * scene.residual[i];
   }
   return ss > 0.0 && rs > 0.0 && rs * rs > kMinSlopeShare * ss * rr ? rs / ss : 0.0;
-}
-
-bool is_costly(const chain::Chain& chain) {
-  return std::any_of(chain.blocks.begin(), chain.blocks.end(),
-                     [](const chain::Block& block) { return block.steps_within_samples(); });
 }
 
 }  // namespace
@@ -302,50 +274,14 @@ bool images_stand_out(const Scene& scene) {
   return smooth.size() < 20 || quantile(smooth, 0.95) > kUneven * quantile(smooth, 0.2);
 }
 
-Starts clocks_by_lag(const Scene& scene, const chain::Block& hold, std::size_t at, double guess_hz) {
-  const FromHold behind(scene, hold, at);
-  // Thousands of runs: with a block that is solved step by step the stairs alone must tell.
-  if (is_costly(behind.chain)) return {};
-  const std::size_t size = behind.input.size();
-  simulate::RecordOptions options;
-  options.start_s = scene.start_s;
-  simulate::RecordSimulator simulator(behind.chain, scene.step_s, options);
-  std::vector<double> candidates;
-  const std::size_t first = std::min(size, kFirstLook);
-  double spacing = 0.25 / (static_cast<double>(first) * scene.step_s);
-  for (double f = 0.5 * guess_hz; f < 2.2 * guess_hz; f += spacing) candidates.push_back(f);
-  for (std::size_t length = first;; length = std::min(size, 2 * length)) {
-    std::vector<ScoredClock> scored;
-    for (double f : candidates) {
-      if (scene.is_late()) return {};
-      simulator.chain().blocks.front().set("clock_hz", f);
-      const auto y = simulator.run(std::span(behind.input).first(length));
-      if (simulator.diverged()) continue;
-      scored.emplace_back(left_by_any_gain(y, behind.measured, length / 5), f);
-    }
-    std::sort(scored.begin(), scored.end());
-    keep_best(scored, kOnePeak / (static_cast<double>(length) * scene.step_s));
-    if (length == size || length >= kLastLook) {
-      Starts starts;
-      for (const auto& [left, f] : scored) starts.push_back({f});
-      return starts;
-    }
-    candidates.clear();
-    for (const auto& [left, f] : scored) {
-      for (int k = -kFiner; k <= kFiner; ++k) candidates.push_back(f + 0.25 * k * spacing);
-    }
-    spacing *= 0.5;
-  }
-}
-
-Starts clocks_by_stairs(const Scene& scene, std::size_t at, bool half) {
+Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz) {
+  // A curve or a memory passes stairs on much as they are.
   chain::Chain behind;
   for (std::size_t k = at; k < scene.end(); ++k) {
-    // A curve or a memory passes stairs on much as they are.
-    if (!scene.linear(k)) continue;
-    behind.blocks.push_back(scene.model->at(k));
+    if (scene.linear(k)) behind.blocks.push_back(scene.model->at(k));
   }
-  if (behind.blocks.empty()) return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half);
+  if (behind.blocks.empty())
+    return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half, guess_hz);
   // <r, H stairs> = <H* r, stairs>: what is behind runs once, over the residual from its end.
   const std::vector<double> turned(scene.residual.rbegin(), scene.residual.rend());
   simulate::RecordSimulator simulator(std::move(behind), scene.step_s);
@@ -354,7 +290,7 @@ Starts clocks_by_stairs(const Scene& scene, std::size_t at, bool half) {
   const auto y = simulator.run(turned);
   std::vector<double> seen(y.rbegin(), y.rend());
   for (std::size_t i = 0; i < seen.size(); ++i) seen[i] -= constant[seen.size() - 1 - i];
-  return clocks_of_stairs(scene, scene.boundary[at].values, seen, half);
+  return clocks_of_stairs(scene, scene.boundary[at].values, seen, half, guess_hz);
 }
 
 }  // namespace bodesmith::gap

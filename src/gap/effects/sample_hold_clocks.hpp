@@ -17,13 +17,9 @@ double mean_lag_s(const Scene& scene);
 /// Whether the residual's spectrum above the input's band is anything but flat, as images of a clock make it.
 bool images_stand_out(const Scene& scene);
 
-/// Clocks by the mean lag: those of `hold` at `at`, around `guess_hz`, with which the chain comes nearest to what was
-/// measured.
-Starts clocks_by_lag(const Scene& scene, const chain::Block& hold, std::size_t at, double guess_hz);
-
-/// Clocks by the staircase alone: the residual is likened to what a hold at `at` leaves beside its mean lag, which free corners of the
-/// model may have taken over. Linear dynamics behind it soften its stairs: the residual is run through them backwards. `half`: the
-/// hold acts half a cycle late.
-Starts clocks_by_stairs(const Scene& scene, std::size_t at, bool half);
+/// Clocks of a hold at `at`, the residual likened to what it leaves. `guess_hz` above 0: to its stairs and lag, of clocks around that;
+/// otherwise to its stairs beside their mean lag, which free corners of the model may have taken over. Linear dynamics behind it
+/// soften the stairs: the residual is run through them backwards. `half`: the hold acts half a cycle late.
+Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz = 0.0);
 
 }  // namespace bodesmith::gap

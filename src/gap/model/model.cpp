@@ -12,9 +12,8 @@ namespace {
 
 /// Relative spread of the free parameters' values in a base model: right to a quarter (docs/gap.md, 1).
 constexpr double kGivenSpread = 0.25;
-/// A base model's parameters on a logarithmic scale are searched within these factors of what is given.
-constexpr double kMinFactor = 1e-3;
-constexpr double kMaxFactor = 1e3;
+/// A base model's parameters on a logarithmic scale are searched within this factor of what is given.
+constexpr double kMostFactor = 1e3;
 
 }  // namespace
 
@@ -38,8 +37,8 @@ Model::Model(const chain::Chain& base) : start_(base.start) {
       // not (a sine cannot tell gain, frequency and damping of a resonator apart).
       u.given = p.value;
       u.given_spread = u.logarithmic ? kGivenSpread : kGivenSpread * std::abs(p.value);
-      if (u.logarithmic) u.low = std::max(p.min(), p.value * kMinFactor);
-      if (u.logarithmic) u.high = std::min(p.max(), p.value * kMaxFactor);
+      if (u.logarithmic) u.low = std::max(p.min(), p.value / kMostFactor);
+      if (u.logarithmic) u.high = std::min(p.max(), p.value * kMostFactor);
       free_.push_back({next_id_, k, u});
     }
     ++next_id_;

@@ -21,10 +21,8 @@ using chain::Start;
 
 /// Of two searches, one that names more must leave less than this part for each term more; with as many,
 constexpr double kWorthATerm = 0.9;
-/// equilibrium must leave less than this part;
+/// equilibrium must leave less than this part, and less than the former where neither explains how the records begin.
 constexpr double kWorthAKey = 0.98;
-/// where neither explains how the records begin, less than this one.
-constexpr double kFarNearer = 0.8;
 /// Of a search that scored all starts, what it leaves of whole records over what one that left some out leaves, and over what
 /// that one leaves when each record begins in a state of its own.
 constexpr double kStartsExplained = 0.5;
@@ -105,7 +103,7 @@ bool is_equilibrium_better(const SearchResult& equilibrium, const Tried& from_eq
                            const SearchResult& zero, const Tried& from_zero) {
   const double more = static_cast<double>(equilibrium.steps.size()) - static_cast<double>(zero.steps.size());
   if (!from_equilibrium.explains) {
-    const bool far_nearer = more == 0.0 && from_equilibrium.rms < kFarNearer * from_zero.rms;
+    const bool far_nearer = more == 0.0 && from_equilibrium.rms < kWorthATerm * from_zero.rms;
     return !from_zero.explains && far_nearer;
   }
   if (!from_zero.explains) return true;

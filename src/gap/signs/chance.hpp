@@ -9,6 +9,10 @@
 
 namespace bodesmith::gap {
 
+/// A sign is more than surrogates' largest figure times this, and than so many deviations above their mean.
+inline constexpr double kTimesLargest = 1.5;
+inline constexpr double kDeviations = 7.0;
+
 /// What a figure of merit reaches on surrogates, by chance.
 class Chance {
  public:
@@ -18,9 +22,10 @@ class Chance {
     sum_of_squares_ += figure * figure;
     ++count_;
   }
+  /// Beyond what chance does: a false sign costs more than a missed one, and a record is looked at in a dozen ways.
+  double limit() const { return std::max(kTimesLargest * max_, mean() + kDeviations * deviation()); }
   double max() const { return max_; }
   double mean() const { return sum_ / count_; }
-  double rms() const { return std::sqrt(sum_of_squares_ / count_); }
   double deviation() const { return std::sqrt(std::max(0.0, sum_of_squares_ / count_ - mean() * mean())); }
 
  private:

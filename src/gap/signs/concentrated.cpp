@@ -11,13 +11,10 @@ namespace bodesmith::gap {
 namespace {
 
 constexpr std::size_t kMinColumns = 7;
-/// What is found must exceed surrogates' largest figure by this factor, and their mean by so many deviations.
-constexpr double kConcentratedTimesLargest = 1.08;
-constexpr double kConcentratedDeviations = 7.0;
 
 /// How unevenly the energy of each frequency is spread over time: sum over frequencies, weighted with their
-/// energies, of the mean square of the power over the square of its mean. Gaussian noise of any colour: about
-/// 2; a chirp: about the number of columns it shares its energy among.
+/// energies, of the mean square of the power over the square of its mean, less 1. Gaussian noise of any colour: about
+/// 1; a chirp: about the number of columns it shares its energy among.
 double unevenness(const std::vector<double>& v, std::size_t window) {
   const std::size_t hop = window / 2;
   const std::size_t columns = (v.size() - window) / hop + 1;
@@ -42,7 +39,7 @@ double unevenness(const std::vector<double>& v, std::size_t window) {
     if (sum[k] > 0.0) weighted += static_cast<double>(columns) * squares[k] / sum[k];
   }
   const double energy = std::accumulate(sum.begin(), sum.end(), 0.0);
-  return energy > 0.0 ? weighted / energy : 0.0;
+  return energy > 0.0 ? weighted / energy - 1.0 : 0.0;
 }
 
 }  // namespace
@@ -55,9 +52,7 @@ Sign concentrated(const Leftover& record) {
     const double got = unevenness(record.residual, window);
     const Chance chance = on_surrogates(record.residual, 5000,
                                         [&](const std::vector<double>& v) { return unevenness(v, window); });
-    const double limit = std::max(kConcentratedTimesLargest * chance.max(),
-                                  chance.mean() + kConcentratedDeviations * chance.deviation());
-    sign.strength = std::max(sign.strength, got / limit);
+    sign.strength = std::max(sign.strength, got / chance.limit());
   }
   return sign;
 }

@@ -14,11 +14,8 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A prediction counts when it explains more of the energy than this, and than surrogates' largest share and
-/// rms share times these.
+/// A prediction counts when it explains more of the energy than this.
 constexpr double kMinShare = 0.015;
-constexpr double kTimesLargest = 1.6;
-constexpr double kTimesRms = 5.0;
 /// Curves of any form must be so much plainer: they follow slow noise where a drive dwells at few levels.
 constexpr double kPlainCurve = 2.5;
 /// The ridge of the weights: grows with the residual's memory, as fewer effective samples carry fewer
@@ -82,7 +79,7 @@ Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
     Chance chance;
     for (const auto& [of_learned, of_applied] : surrogates)
       chance.add(prediction.share(of_learned, of_applied));
-    const double limit = std::max({kMinShare, kTimesLargest * chance.max(), kTimesRms * chance.rms()});
+    const double limit = std::max(kMinShare, chance.limit());
     sign.strength = std::max(sign.strength, got / (plainer * limit));
   }
   return sign;

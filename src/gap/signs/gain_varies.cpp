@@ -10,9 +10,8 @@
 namespace bodesmith::gap {
 namespace {
 
-/// The share of the energy must be above this, and above surrogates' largest one times that.
+/// The share of the energy must be above this.
 constexpr double kMinGainShare = 0.03;
-constexpr double kGainTimesLargest = 2.0;
 /// Of few lines, slow gains make much by chance: there what they leave must be less, by odds this many times surrogates'
 /// best.
 constexpr double kGainTimesOdds = 4.0;
@@ -52,7 +51,7 @@ Sign gain_varies(const Leftover& record) {
   const double got = share(record.residual);
   const Chance chance = on_surrogates(record.residual, 4000, share);
   const auto odds = [](double part) { return part / std::max(1.0 - part, 1e-6); };
-  sign.strength = std::max(got / std::max(kMinGainShare, kGainTimesLargest * chance.max()),
+  sign.strength = std::max(got / std::max(kMinGainShare, chance.limit()),
                            got < kMinGainShare ? 0.0 : odds(got) / (kGainTimesOdds * odds(chance.max())));
   return sign;
 }

@@ -10,11 +10,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Bunched energy: more in one cell than surrogates' largest share times this, and than so many deviations
-/// above their mean.
-constexpr double kBunchTimesLargest = 1.45;
-constexpr double kBunchDeviations = 7.0;
-
 /// A jump, over the usual change of Gaussian noise (which reaches five of its deviations in a million
 /// samples).
 constexpr double kJump = 8.0;
@@ -58,9 +53,7 @@ Sign bunched_in_time(const Leftover& record) {
     const double got = largest_share(record.residual, cells);
     const Chance chance = on_surrogates(
         record.residual, 3000, [&](const std::vector<double>& v) { return largest_share(v, cells); });
-    const double limit =
-        std::max(kBunchTimesLargest * chance.max(), chance.mean() + kBunchDeviations * chance.deviation());
-    sign.strength = std::max(sign.strength, got / limit);
+    sign.strength = std::max(sign.strength, got / chance.limit());
   }
   return sign;
 }

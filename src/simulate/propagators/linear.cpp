@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t kLeastModes = 5;
 /// Up to this order the full matrix has a loop of its own.
 constexpr std::size_t kMostFixed = 12;
+/// Those of one system and its differences; of holds of several lengths.
+constexpr std::size_t kMostPrepared = 6;
 
 }  // namespace
 
@@ -310,6 +312,23 @@ void LinearPropagator::run_samples(double* signal, std::size_t count, const doub
     for (std::size_t b = a + 1; b < order_; ++b) lower = lower && end_.e[a * order_ + b] == 0.0;
   }
   run_straight_of(std::make_index_sequence<kMostFixed>(), lower, signal, count, x);
+}
+
+LinearPropagator& PreparedPropagators::of(const chain::LinearKernel& system, double h, const HoldNodes& nodes,
+                                          bool keeps_states) {
+  for (Prepared& one : all_) {
+    if (one.h == h && one.degree == nodes.degree && one.keeps_states == keeps_states && one.system == system)
+      return one.by;
+  }
+  if (all_.size() < kMostPrepared) all_.emplace_back();
+  Prepared& next = all_[oldest_];
+  oldest_ = (oldest_ + 1) % kMostPrepared;
+  next.system = system;
+  next.h = h;
+  next.degree = nodes.degree;
+  next.keeps_states = keeps_states;
+  next.by.prepare(system, h, nodes, keeps_states);
+  return next.by;
 }
 
 }  // namespace bodesmith::simulate

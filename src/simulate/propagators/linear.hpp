@@ -73,4 +73,22 @@ class LinearPropagator {
   std::vector<double> next_;
 };
 
+/// The last few that were prepared: differences move a parameter and put it back.
+class PreparedPropagators {
+ public:
+  LinearPropagator& of(const chain::LinearKernel& system, double h, const HoldNodes& nodes,
+                       bool keeps_states = false);
+
+ private:
+  struct Prepared {
+    chain::LinearKernel system;
+    double h = 0.0;
+    std::size_t degree = 0;
+    bool keeps_states = false;
+    LinearPropagator by;
+  };
+  std::vector<Prepared> all_;
+  std::size_t oldest_ = 0;
+};
+
 }  // namespace bodesmith::simulate

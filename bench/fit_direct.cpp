@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "fit/direct_fit.hpp"
-#include "fit/waveform_fit.hpp"
+#include "fit/direct/direct_fit.hpp"
+#include "fit/waveform/waveform_fit.hpp"
 
 namespace {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "../tests/hysteresis/brute_force.hpp"
+#include "hysteresis/identification/preisach_identify.hpp"
 #include "hysteresis/model_type.hpp"
 #include "hysteresis/preisach.hpp"
-#include "hysteresis/preisach_identify.hpp"
 #include "hysteresis_inputs.hpp"
 
 namespace {

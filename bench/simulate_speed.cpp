@@ -10,8 +10,8 @@
 
 #include "chain/registry.hpp"
 #include "schematic/ngspice/ngspice.hpp"
-#include "simulate/exact_propagator.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/exact_propagator.hpp"
+#include "simulate/record/record_simulator.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
 

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

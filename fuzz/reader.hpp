@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 
 namespace bodesmith::fuzz {
 

@@ -19,8 +19,8 @@
 #include "base/files.hpp"               // OutputSet
 #include "chain/model_file.hpp"         // a model.toml: read_model()
 #include "filters/design.hpp"           // standard filters: least_order(), place()
-#include "fit/cascade_fit.hpp"          // gains to a fractional cascade: fit_cascade()
-#include "fit/direct_fit.hpp"           // gains to sections: fit_directly(), fit_directly_within()
+#include "fit/cascade/cascade_fit.hpp"  // gains to a fractional cascade: fit_cascade()
+#include "fit/direct/direct_fit.hpp"    // gains to sections: fit_directly(), fit_directly_within()
 #include "fpaa/plan/plan.hpp"           // sections to a board: make_plan()
 #include "gap/diagnosis.hpp"            // what a model is missing: diagnose()
 #include "lti/judge_responses.hpp"      // one response against another over a band: judge_responses()

@@ -1,7 +1,7 @@
 // The least squares of numeric/, Ceres and Eigen's MINPACK port on fits like those of diagnose: the same search coordinates and starts,
 // forward differences, noise of 0.005. Prints runs of the model, time, and how often the fit ends at the noise; the table stands in
 // docs/numeric.md. Built where Ceres is installed.
-#include "numeric/least_squares.hpp"
+#include "numeric/optimisation/least_squares.hpp"
 #include <ceres/ceres.h>
 #include <ceres/dynamic_numeric_diff_cost_function.h>
 #include <glog/logging.h>

@@ -1,8 +1,8 @@
 // "Modeling and Control of Piezoelectric Hysteresis": Table II (triangles, 1 Hz - 5 kHz), Fig. 8 (growing amplitude), Fig. 11 (complex),
 // Fig. 12 (stair); polynomial against sine against Preisach.
 #include "bench.hpp"
+#include "hysteresis/identification/record_tools.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
-#include "hysteresis/record_tools.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include "lti/cascade.hpp"
-#include "base/document.hpp"
-#include "base/json.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

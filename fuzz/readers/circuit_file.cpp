@@ -1,5 +1,5 @@
 #include "synthesis/circuit_file.hpp"
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

@@ -1,5 +1,5 @@
 #include "signal/disturbance.hpp"
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

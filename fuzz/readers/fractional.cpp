@@ -1,4 +1,4 @@
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "lti/fractional_transfer.hpp"
 #include "reader.hpp"
 

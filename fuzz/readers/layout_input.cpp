@@ -1,4 +1,4 @@
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "reader.hpp"
 #include "synthesis/generator/layout.hpp"
 

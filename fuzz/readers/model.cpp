@@ -1,4 +1,4 @@
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "reader.hpp"
 

@@ -1,7 +1,7 @@
 #include "call.hpp"
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 
 namespace bodesmith::python {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/document.hpp"
-#include "base/json.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "lti/frequency_grid.hpp"
 
 /// What Python calls: one function a command, numbers in and out as they lie in numpy's arrays, everything else as one

@@ -1,8 +1,8 @@
 // Files of the contract: read and checked by the program's own readers, written whole or not at all.
 #include "approximate/approximate.hpp"
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "filters/family.hpp"

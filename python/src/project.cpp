@@ -1,7 +1,7 @@
 // run: a project file to everything.
 #include "project/run_project.hpp"
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "functions.hpp"
 
 namespace bodesmith::python {

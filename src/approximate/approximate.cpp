@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "approximate/approximation_error.hpp"
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/whole_number.hpp"
 #include "lti/section_making.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "approximate/approximation_error.hpp"
 #include "approximate/method.hpp"
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "lti/cascade.hpp"
 #include "lti/sections.hpp"
 

@@ -7,8 +7,8 @@
 #include <functional>
 #include <utility>
 
-#include "numeric/dense.hpp"
 #include "numeric/elliptic_k.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith {
 namespace {

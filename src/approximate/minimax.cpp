@@ -12,7 +12,7 @@
 #include "approximate/remez.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
-#include "numeric/minimum.hpp"
+#include "numeric/optimisation/minimum.hpp"
 
 namespace bodesmith {
 namespace {

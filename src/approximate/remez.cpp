@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "approximate/log_symmetric.hpp"
-#include "numeric/bounded_least_squares.hpp"
 #include "numeric/elliptic_k.hpp"
+#include "numeric/optimisation/bounded_least_squares.hpp"
 
 namespace bodesmith {
 namespace {

@@ -3,7 +3,7 @@
 #include <kainjow/mustache.hpp>
 #include <stdexcept>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 
 namespace bodesmith {
 

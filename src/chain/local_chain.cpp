@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/progress.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::chain {
 namespace {

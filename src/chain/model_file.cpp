@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "chain/chain.hpp"

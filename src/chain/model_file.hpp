@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <string>
 
-#include "base/document.hpp"
-#include "base/json_fwd.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "chain/chain.hpp"
 

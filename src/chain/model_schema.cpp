@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "chain/chain.hpp"
 #include "chain/registry.hpp"
 

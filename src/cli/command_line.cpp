@@ -7,9 +7,9 @@
 #include <sstream>
 #include <utility>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/terminal.hpp"
 #include "base/text.hpp"

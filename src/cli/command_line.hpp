@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "lti/frequency_grid.hpp"
 

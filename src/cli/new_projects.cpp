@@ -8,9 +8,9 @@
 #include <iostream>
 #include <numbers>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/terminal.hpp"
 #include "base/text.hpp"

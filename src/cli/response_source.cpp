@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"

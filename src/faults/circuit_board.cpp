@@ -11,8 +11,8 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::faults {
 namespace {

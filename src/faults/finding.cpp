@@ -7,8 +7,8 @@
 #include <numbers>
 #include <optional>
 
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::faults {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "numeric/index.hpp"
 #include "report/page.hpp"

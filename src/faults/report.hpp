@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "faults/diagnosis.hpp"
 
 namespace bodesmith::faults {

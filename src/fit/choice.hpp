@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "fit/cascade_fit.hpp"
-#include "fit/direct_fit.hpp"
+#include "fit/cascade/cascade_fit.hpp"
+#include "fit/direct/direct_fit.hpp"
 
 namespace bodesmith {
 

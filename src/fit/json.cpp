@@ -1,10 +1,10 @@
 #include <cmath>
 
-#include "base/json.hpp"
-#include "fit/cascade_fit.hpp"
-#include "fit/direct_fit.hpp"
-#include "fit/measured_fit.hpp"
-#include "fit/waveform_fit.hpp"
+#include "base/documents/json.hpp"
+#include "fit/cascade/cascade_fit.hpp"
+#include "fit/direct/direct_fit.hpp"
+#include "fit/measured/measured_fit.hpp"
+#include "fit/waveform/waveform_fit.hpp"
 
 namespace bodesmith {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "gap/effect.hpp"
 
 namespace bodesmith::gap {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "gap/diagnosis.hpp"
 
 namespace bodesmith::gap {

@@ -9,7 +9,7 @@
 #include "gap/records/lines.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {

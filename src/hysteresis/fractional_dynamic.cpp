@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
 #include "hysteresis/model_type.hpp"
-#include "numeric/dense.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "chain/registry.hpp"
-#include "hysteresis/record_tools.hpp"
+#include "hysteresis/identification/record_tools.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::identify {

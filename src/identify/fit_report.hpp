@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "chain/chain.hpp"
 #include "identify/stage_fit.hpp"
 

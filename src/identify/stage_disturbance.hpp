@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
-#include "hysteresis/record_tools.hpp"
+#include "base/documents/json_fwd.hpp"
+#include "hysteresis/identification/record_tools.hpp"
 #include "identify/stage_lag.hpp"
 #include "signal/disturbance.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "identify/stage_disturbance.hpp"

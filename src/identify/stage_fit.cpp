@@ -6,12 +6,12 @@
 
 #include "base/progress.hpp"
 #include "base/whole_number.hpp"
+#include "hysteresis/identification/record_tools.hpp"
 #include "hysteresis/model_type.hpp"
-#include "hysteresis/record_tools.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "numeric/least_squares.hpp"
-#include "numeric/minimum.hpp"
+#include "numeric/linear_algebra/dense.hpp"
+#include "numeric/optimisation/least_squares.hpp"
+#include "numeric/optimisation/minimum.hpp"
 
 namespace bodesmith::identify {
 namespace {

@@ -7,12 +7,12 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "hysteresis/record_tools.hpp"
+#include "hysteresis/identification/record_tools.hpp"
 #include "identify/stage_model.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "numeric/least_squares.hpp"
-#include "numeric/minimum.hpp"
+#include "numeric/linear_algebra/dense.hpp"
+#include "numeric/optimisation/least_squares.hpp"
+#include "numeric/optimisation/minimum.hpp"
 
 namespace bodesmith::identify {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "chain/blocks/hysteresis.hpp"
 #include "chain/model_file.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_number.hpp"

@@ -9,7 +9,7 @@
 #include "chain/inverse.hpp"
 #include "chain/local_chain.hpp"
 #include "invert/local_model.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 #include "simulate/types.hpp"
 
 namespace bodesmith::invert {

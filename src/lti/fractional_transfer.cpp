@@ -9,8 +9,8 @@
 #include <numeric>
 
 #include "base/whole_number.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/json.hpp"
-#include "numeric/minimum.hpp"
+#include "base/documents/json.hpp"
+#include "numeric/optimisation/minimum.hpp"
 
 namespace bodesmith {
 namespace {

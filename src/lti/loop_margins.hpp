@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith {

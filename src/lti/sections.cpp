@@ -1,5 +1,5 @@
 #include "lti/sections.hpp"
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 
 #include <fmt/format.h>
 

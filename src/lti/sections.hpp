@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "base/document.hpp"
-#include "base/json_fwd.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "lti/frequency_grid.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith {
 namespace {

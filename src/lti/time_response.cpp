@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "lti/state_space.hpp"
-#include "numeric/dense.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "project/run_project.hpp"

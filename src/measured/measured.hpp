@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
-#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "gap/search_options.hpp"
 #include "project/source.hpp"

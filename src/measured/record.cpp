@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 #include "gap/evidence/noise_floor.hpp"

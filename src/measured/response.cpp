@@ -5,8 +5,8 @@
 #include <limits>
 #include <memory>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/plan_board.hpp"

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "base/text.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "simulate/record_simulator.hpp"
+#include "numeric/linear_algebra/dense.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::measured {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "numeric/dense.hpp"
-#include "numeric/least_squares.hpp"
+#include "numeric/linear_algebra/dense.hpp"
+#include "numeric/optimisation/least_squares.hpp"
 
 namespace bodesmith {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/provenance.hpp"
 #include "lti/fractional_transfer.hpp"
 #include "lti/sections.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "project/design/design.hpp"
 #include "project/project.hpp"
 #include "project/tracking/tracking_study.hpp"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"

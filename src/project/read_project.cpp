@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "approximate/method.hpp"
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "fpaa/device/board.hpp"
 #include "project/tables.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "project/design/budget.hpp"
 #include "project/design/design.hpp"

@@ -3,9 +3,9 @@
 #include <optional>
 #include <utility>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "base/progress.hpp"
 #include "project/design/alternative_hardware.hpp"
 #include "project/design/controllers.hpp"

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 

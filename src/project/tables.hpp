@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "project/project.hpp"
 
 /// Tables of project.toml that projects with and without a disturbance share.

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/provenance.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"

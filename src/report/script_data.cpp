@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "report/scale.hpp"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "report/plot.hpp"
 
 namespace bodesmith::report {

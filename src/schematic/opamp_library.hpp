@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/provenance.hpp"
 #include "schematic/netlist.hpp"
 

@@ -1,5 +1,5 @@
 #include "signal/disturbance.hpp"
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 
 #include <fmt/format.h>
 

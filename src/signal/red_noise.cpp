@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include "numeric/minimum.hpp"
+#include "numeric/optimisation/minimum.hpp"
 
 namespace bodesmith {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "numeric/dense.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::simulate {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/whole_number.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"

@@ -7,8 +7,8 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "simulate/cvode_solver.hpp"
 #include "simulate/engines/engine.hpp"
+#include "simulate/ode/cvode_solver.hpp"
 #include "simulate/types.hpp"
 
 namespace bodesmith::simulate {

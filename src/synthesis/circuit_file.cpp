@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "schematic/analysis/response.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/realisation.hpp"

@@ -4,8 +4,8 @@
 #include <functional>
 #include <span>
 
-#include "base/document.hpp"
-#include "base/json_fwd.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "lti/frequency_grid.hpp"
 #include "synthesis/circuit.hpp"
 #include "synthesis/opamp_check.hpp"

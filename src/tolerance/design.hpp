@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/progress.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"

@@ -3,7 +3,7 @@
 #include <complex>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "lti/loop_margins.hpp"
 #include "tolerance/yield.hpp"
 

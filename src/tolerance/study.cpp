@@ -4,9 +4,9 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/text.hpp"

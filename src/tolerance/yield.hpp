@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "fpaa/device/mismatch.hpp"
 #include "numeric/parallel_for.hpp"

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "simulate/cvode_solver.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "simulate/hold_response.hpp"
+#include "simulate/ode/cvode_solver.hpp"
 #include "tracking/driven_stage.hpp"
 #include "tracking/periodic.hpp"
 

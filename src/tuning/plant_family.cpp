@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
-#include "fit/measured_fit.hpp"
+#include "fit/measured/measured_fit.hpp"
 #include "lti/sections.hpp"
 #include "signal/bode_points.hpp"
 

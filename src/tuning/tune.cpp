@@ -7,12 +7,12 @@
 #include <limits>
 #include <numbers>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
-#include "numeric/population_search.hpp"
+#include "numeric/optimisation/population_search.hpp"
 
 namespace bodesmith::tuning {
 namespace {

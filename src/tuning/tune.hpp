@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "lti/loop_margins.hpp"
 #include "tuning/controller_kind.hpp"
 #include "tuning/plant_family.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "approximate/approximate.hpp"
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 
 namespace bodesmith {
 namespace {

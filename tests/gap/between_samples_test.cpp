@@ -8,10 +8,10 @@
 #include <numbers>
 #include <random>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/runner.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace {
 

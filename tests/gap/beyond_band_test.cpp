@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/scene.hpp"

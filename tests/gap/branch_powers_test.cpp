@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/cases/signals.hpp"
 #include "gap/cases/stages.hpp"

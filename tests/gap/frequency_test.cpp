@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/cases/expect.hpp"
 #include "gap/cases/response_cases.hpp"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 
 namespace bodesmith {

@@ -7,7 +7,7 @@
 
 #include "made_model.hpp"
 #include "signal/time_record.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith {
 

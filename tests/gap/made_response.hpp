@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/measured_response.hpp"
 #include "numeric/random.hpp"

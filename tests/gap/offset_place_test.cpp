@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"

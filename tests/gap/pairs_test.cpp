@@ -11,7 +11,7 @@
 
 #include "gap/diagnosis.hpp"
 #include "made_model.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace drag_and_delay {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "base/document.hpp"
-#include "base/json.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "gap/diagnosis.hpp"

@@ -6,8 +6,8 @@
 #include <regex>
 #include <string_view>
 
-#include "base/document.hpp"
-#include "base/json.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "chain/model_file.hpp"
 #include "gap/cases/expect.hpp"
 #include "gap/cases/time_cases.hpp"

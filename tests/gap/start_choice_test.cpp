@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
 #include "made_model.hpp"

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/effect.hpp"
 #include "gap/model/model_fit.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"

@@ -7,7 +7,7 @@
 #include "hysteresis/grunwald_letnikov.hpp"
 #include "hysteresis/model_type.hpp"
 #include "lti/fractional_transfer.hpp"
-#include "numeric/population_search.hpp"
+#include "numeric/optimisation/population_search.hpp"
 #include "test_signals.hpp"
 
 namespace bodesmith::hysteresis {

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "base/error.hpp"
+#include "hysteresis/identification/record_tools.hpp"
 #include "hysteresis/model_type.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
-#include "hysteresis/record_tools.hpp"
 #include "test_signals.hpp"
 
 namespace bodesmith::hysteresis {

@@ -7,8 +7,8 @@
 #include "base/error.hpp"
 #include "brute_force.hpp"
 #include "hysteresis/everett_trace.hpp"
+#include "hysteresis/identification/preisach_identify.hpp"
 #include "hysteresis/model_type.hpp"
-#include "hysteresis/preisach_identify.hpp"
 #include "test_signals.hpp"
 
 namespace bodesmith::hysteresis {

@@ -8,8 +8,8 @@
 #include "base/error.hpp"
 #include "chain/inverse.hpp"
 #include "chain/model_file.hpp"
+#include "hysteresis/identification/record_tools.hpp"
 #include "hysteresis/model_type.hpp"
-#include "hysteresis/record_tools.hpp"
 #include "identify/stage_fit.hpp"
 
 namespace bodesmith::identify {

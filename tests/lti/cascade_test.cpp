@@ -3,8 +3,8 @@
 #include <cmath>
 #include <complex>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "lti/cascade.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 
 namespace bodesmith::report {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 
 namespace bodesmith {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "schematic/analysis/response.hpp"
 #include "seed_sections.hpp"

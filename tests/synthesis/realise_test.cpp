@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "lti/sections.hpp"
 #include "schematic/analysis/response.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 
 namespace bodesmith::tolerance {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/judge_responses.hpp"
 #include "numeric/random.hpp"

@@ -1,8 +1,8 @@
 // Digital biquads as one C file without dependencies (C99), with the error that sampling brings written above them.
 #include <fmt/format.h>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "exchange/writer.hpp"

@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
-#include "base/json.hpp"
-#include "base/json_fwd.hpp"
+#include "base/documents/json.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "exchange/writer.hpp"

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "exchange/writer.hpp"

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 
 namespace bodesmith {
 class Node;

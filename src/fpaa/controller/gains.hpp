@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
-#include "base/json_fwd.hpp"
 #include "fpaa/controller/controller.hpp"
 #include "fpaa/device/config_stream.hpp"
 

@@ -1,7 +1,7 @@
 // controller.json and the sheet that goes with it.
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/cams/cam.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 
 namespace bodesmith::fpaa {
 namespace {

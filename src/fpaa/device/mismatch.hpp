@@ -2,7 +2,7 @@
 
 #include <complex>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "fpaa/device/config_stream.hpp"
 #include "fpaa/streams/api_code.hpp"
 #include "signal/disturbance.hpp"

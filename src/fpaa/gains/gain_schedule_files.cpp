@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/gains/gain_schedule.hpp"

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "fpaa/network/switched_network.hpp"
-#include "numeric/dense.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::fpaa {
 namespace {

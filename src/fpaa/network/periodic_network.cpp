@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "numeric/dense.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::fpaa {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "fpaa/device/mismatch.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "lti/frequency_grid.hpp"

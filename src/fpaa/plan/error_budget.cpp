@@ -5,7 +5,7 @@
 #include <complex>
 #include <numbers>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/error_reference.hpp"
 #include "fpaa/plan/plan_limits.hpp"

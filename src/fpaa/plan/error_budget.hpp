@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "fpaa/device/mismatch.hpp"
 #include "fpaa/network/settling.hpp"
 #include "fpaa/plan/drawn_board.hpp"

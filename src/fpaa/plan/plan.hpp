@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "base/error.hpp"
-#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 #include "fpaa/cams/placed_cam.hpp"

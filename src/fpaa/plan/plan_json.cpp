@@ -1,7 +1,7 @@
 // plan.json, bodesmith.fpaa_plan/1: writing and reading back.
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/plan_graph.hpp"

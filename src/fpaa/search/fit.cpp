@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/progress.hpp"
-#include "numeric/least_squares.hpp"
+#include "numeric/optimisation/least_squares.hpp"
 
 namespace bodesmith::fpaa {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <numbers>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"

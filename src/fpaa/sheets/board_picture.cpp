@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/cams/cam.hpp"

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/cams/cam.hpp"

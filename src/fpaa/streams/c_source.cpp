@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::fpaa {

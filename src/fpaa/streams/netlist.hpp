@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/stream_file.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/plan/switched_board.hpp"

@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
-#include "base/json_fwd.hpp"
 #include "fpaa/streams/plan_stream.hpp"
 
 namespace bodesmith::fpaa::an231 {

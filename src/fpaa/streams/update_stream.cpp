@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/cams/cam.hpp"

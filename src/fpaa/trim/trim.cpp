@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/trim/trim_search.hpp"
-#include "numeric/dense.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random.hpp"
 #include "signal/statistics.hpp"
 

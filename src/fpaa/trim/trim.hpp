@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "fpaa/device/exchanged_units.hpp"
 #include "fpaa/plan/drawn_board.hpp"
 #include "fpaa/plan/plan.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/whole_number.hpp"
-#include "numeric/dense.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::fpaa {

@@ -11,7 +11,7 @@
 #include "numeric/fourier.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {

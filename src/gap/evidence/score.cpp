@@ -10,8 +10,8 @@
 #include "gap/effect.hpp"
 #include "gap/model/least_squares.hpp"
 #include "gap/runner.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "signal/red_noise.hpp"
 #include "signal/statistics.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "numeric/index.hpp"
-#include "numeric/least_squares.hpp"
+#include "numeric/optimisation/least_squares.hpp"
 
 namespace bodesmith::gap {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gap/model/model.hpp"
-#include "numeric/least_squares.hpp"
+#include "numeric/optimisation/least_squares.hpp"
 
 namespace bodesmith::gap {
 
@@ -34,7 +34,7 @@ struct LeastSquaresResult {
   bool usable() const { return runs > 0; }
 };
 
-/// The bounded fit of numeric/least_squares.hpp over a model's unknowns, with rank-one updates of the
+/// The bounded fit of numeric/optimisation/least_squares.hpp over a model's unknowns, with rank-one updates of the
 /// Jacobian, since a run of the model is what costs.
 LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Residuals& residuals,
                                  const LeastSquaresOptions& options = {});

@@ -6,7 +6,7 @@
 
 #include "gap/runner.hpp"
 #include "signal/statistics.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {

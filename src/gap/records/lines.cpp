@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "base/units.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::gap {
 namespace {

@@ -1,6 +1,6 @@
 #include "gap/report/files.hpp"
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis_json.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
-#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "gap/diagnosis.hpp"
 

@@ -13,8 +13,8 @@
 
 #include "gap/model/least_squares.hpp"
 #include "gap/runner.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random.hpp"
 #include "signal/statistics.hpp"
 

@@ -7,8 +7,8 @@
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signal_features.hpp"
 #include "gap/signs/signs.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {

@@ -4,8 +4,8 @@
 
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::gap {
 namespace {

@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "base/progress.hpp"
-#include "fit/direct_fit.hpp"
-#include "fit/waveform_fit.hpp"
+#include "fit/direct/direct_fit.hpp"
+#include "fit/waveform/waveform_fit.hpp"
 #include "numeric/parallel_for.hpp"
 #include "project/tracking/tracked_plant.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "approximate/approximate.hpp"
-#include "fit/waveform_error.hpp"
+#include "fit/waveform/waveform_error.hpp"
 #include "project/project.hpp"
 
 namespace bodesmith::project {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "fpaa/controller/gains.hpp"

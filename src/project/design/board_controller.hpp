@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/documents/json_fwd.hpp"
 #include "base/error.hpp"
-#include "base/json_fwd.hpp"
 #include "base/units.hpp"
 #include "fpaa/controller/controller.hpp"
 #include "signal/disturbance.hpp"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "approximate/approximate.hpp"
-#include "fit/cascade_fit.hpp"
-#include "fit/waveform_error.hpp"
+#include "fit/cascade/cascade_fit.hpp"
+#include "fit/waveform/waveform_error.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "project/design/alternative_hardware.hpp"
 #include "project/design/alternatives.hpp"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "approximate/approximate.hpp"
-#include "fit/cascade_fit.hpp"
-#include "fit/direct_fit.hpp"
+#include "fit/cascade/cascade_fit.hpp"
+#include "fit/direct/direct_fit.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "project/design/design_stage.hpp"
 #include "project/filter_project.hpp"

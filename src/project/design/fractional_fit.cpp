@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/whole_number.hpp"
 #include "lti/bulk_response.hpp"
 #include "lti/judge_responses.hpp"

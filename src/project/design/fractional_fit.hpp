@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "fit/direct_fit.hpp"
+#include "fit/direct/direct_fit.hpp"
 #include "lti/fractional_transfer.hpp"
 
 namespace bodesmith::project {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
-#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "fpaa/plan/plan.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "project/output/artefacts.hpp"
 #include "project/output/run_files.hpp"

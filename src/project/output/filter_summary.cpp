@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "project/run.hpp"
 #include "synthesis/circuit_file.hpp"

@@ -1,6 +1,6 @@
 #include "project/output/run_files.hpp"
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "chain/model_file.hpp"
 #include "project/output/artefacts.hpp"
 #include "project/output/run_model.hpp"

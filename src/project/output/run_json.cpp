@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "project/run.hpp"
 
 namespace bodesmith::project {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <optional>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "base/progress.hpp"
 #include "project/run_project.hpp"
 #include "project/sweep/variants.hpp"

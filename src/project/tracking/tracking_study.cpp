@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "project/tracking/tracking_study.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"

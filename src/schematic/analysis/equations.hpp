@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "numeric/sparse.hpp"
+#include "numeric/linear_algebra/sparse.hpp"
 #include "schematic/elements/element.hpp"
 
 namespace bodesmith::schematic {

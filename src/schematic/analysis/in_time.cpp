@@ -9,8 +9,8 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
-#include "numeric/sparse_lu.hpp"
-#include "simulate/cvode_solver.hpp"
+#include "numeric/linear_algebra/sparse_lu.hpp"
+#include "simulate/ode/cvode_solver.hpp"
 
 namespace bodesmith::schematic {
 namespace {

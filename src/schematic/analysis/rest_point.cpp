@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "numeric/dense.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::schematic {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "schematic/elements/element.hpp"

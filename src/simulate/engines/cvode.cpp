@@ -12,10 +12,10 @@
 #include "chain/kernel.hpp"
 #include "signal/statistics.hpp"
 #include "signal/time_record.hpp"
-#include "simulate/cvode_solver.hpp"
-#include "simulate/dense_signal.hpp"
 #include "simulate/engines/engine.hpp"
-#include "simulate/ode_solve.hpp"
+#include "simulate/ode/cvode_solver.hpp"
+#include "simulate/ode/ode_solve.hpp"
+#include "simulate/record/dense_signal.hpp"
 #include "simulate/types.hpp"
 
 namespace bodesmith::simulate {

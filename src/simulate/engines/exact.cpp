@@ -9,9 +9,9 @@
 
 #include "base/whole_number.hpp"
 #include "chain/kernel.hpp"
-#include "simulate/dense_signal.hpp"
 #include "simulate/engines/engine.hpp"
-#include "simulate/exact_propagator.hpp"
+#include "simulate/record/dense_signal.hpp"
+#include "simulate/record/exact_propagator.hpp"
 
 namespace bodesmith::simulate {
 namespace {

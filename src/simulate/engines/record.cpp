@@ -6,7 +6,7 @@
 #include "base/progress.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/engines/engine.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::simulate {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simulate/hold_response.hpp"
-#include "simulate/modal_pairs.hpp"
+#include "simulate/record/modal_pairs.hpp"
 
 namespace bodesmith::simulate {
 

@@ -1,7 +1,7 @@
 #include "synthesis/controller/files.hpp"
 
 #include <fmt/format.h>
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 
 #include "base/text.hpp"
 #include "base/version.hpp"

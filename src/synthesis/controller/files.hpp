@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
-#include "base/json_fwd.hpp"
 #include "synthesis/controller/controller.hpp"
 
 namespace bodesmith::controller {

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/loop_margins.hpp"

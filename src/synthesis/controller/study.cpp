@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "numeric/parallel_for.hpp"
 #include "synthesis/controller/as_built.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "schematic/netlist.hpp"
 #include "synthesis/controller/as_built.hpp"
 #include "synthesis/controller/controller.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "schematic/analysis/in_time.hpp"

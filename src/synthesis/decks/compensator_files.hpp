@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
-#include "base/json_fwd.hpp"
 #include "schematic/writers/spice_library.hpp"
 #include "synthesis/circuit.hpp"
 #include "synthesis/decks/dialect.hpp"

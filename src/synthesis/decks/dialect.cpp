@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "schematic/plain_number.hpp"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "schematic/writers/spice_library.hpp"

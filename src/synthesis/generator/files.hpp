@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/layout.hpp"
 #include "synthesis/generator/timing.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/decks/dialect.hpp"
 #include "synthesis/generator/budget.hpp"

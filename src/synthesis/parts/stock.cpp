@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "schematic/netlist.hpp"
 #include "synthesis/controller/controller.hpp"
 #include "tolerance/departure.hpp"

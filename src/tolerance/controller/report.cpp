@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"

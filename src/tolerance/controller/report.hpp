@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/json_fwd.hpp"
+#include "base/documents/json_fwd.hpp"
 #include "synthesis/controller/loop.hpp"
 #include "tolerance/controller/study.hpp"
 #include "tolerance/controller/trim.hpp"

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "fit/direct_fit.hpp"
+#include "fit/direct/direct_fit.hpp"
 #include "lti/frequency_grid.hpp"
 #include "tuning/controller_kind.hpp"
 

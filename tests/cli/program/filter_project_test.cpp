@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "base/files.hpp"
 #include "run_program.hpp"
 

@@ -8,8 +8,8 @@
 #include <complex>
 #include <numbers>
 
+#include "base/documents/json.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "run_program.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"

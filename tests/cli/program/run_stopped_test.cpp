@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "base/document.hpp"
+#include "base/documents/document.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {

@@ -15,8 +15,8 @@
 #include <map>
 
 #include "../boards/built.hpp"
-#include "base/document.hpp"
-#include "base/json.hpp"
+#include "base/documents/document.hpp"
+#include "base/documents/json.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/diagnosis.hpp"
 #include "synthesis/circuit_file.hpp"

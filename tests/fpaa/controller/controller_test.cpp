@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "fpaa/cams/hold.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/controller/io.hpp"

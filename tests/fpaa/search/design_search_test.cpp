@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/error_reference.hpp"
 #include "fpaa/plan/switched_board.hpp"

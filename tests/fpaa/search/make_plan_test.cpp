@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "fpaa/an231_streams.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/plan/switched_board.hpp"

@@ -13,9 +13,9 @@
 #include <optional>
 #include <thread>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "gap/cases/case_list.hpp"

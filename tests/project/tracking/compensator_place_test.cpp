@@ -3,7 +3,7 @@
 // branch switch.
 #include <gtest/gtest.h>
 
-#include "fit/waveform_error.hpp"
+#include "fit/waveform/waveform_error.hpp"
 #include "tracking/track.hpp"
 
 namespace bodesmith {

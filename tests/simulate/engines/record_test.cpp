@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "chain/registry.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 #include "simulate/records.hpp"
 #include "simulate/simulate.hpp"
 

@@ -7,7 +7,7 @@
 #include "chain/blocks/hysteresis.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {

@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 #include "chain/registry.hpp"
-#include "simulate/ode_system.hpp"
+#include "simulate/ode/ode_system.hpp"
 #include "simulate/records.hpp"
 
 namespace bodesmith::simulate {

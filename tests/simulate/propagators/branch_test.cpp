@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "chain/registry.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/record_simulator.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {

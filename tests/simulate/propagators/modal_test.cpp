@@ -5,8 +5,8 @@
 #include <random>
 
 #include "chain/registry.hpp"
-#include "simulate/modal_pairs.hpp"
-#include "simulate/record_simulator.hpp"
+#include "simulate/record/modal_pairs.hpp"
+#include "simulate/record/record_simulator.hpp"
 #include "simulate/records.hpp"
 #include "simulate/simulate.hpp"
 

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "schematic/writers/kicad/devices.hpp"

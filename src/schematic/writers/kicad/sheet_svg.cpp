@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "schematic/writers/kicad/devices.hpp"

@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "base/json.hpp"
+#include "base/documents/json.hpp"
 #include "base/provenance.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"

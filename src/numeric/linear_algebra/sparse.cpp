@@ -1,0 +1,38 @@
+#include "numeric/linear_algebra/sparse.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "numeric/linear_algebra/sparse_lu.hpp"
+
+namespace bodesmith {
+
+void SparseSystem::clear_row(Eigen::Index row) {
+  a.erase(std::remove_if(a.begin(), a.end(), [row](const Entry& e) { return e.row == row; }), a.end());
+}
+
+void SparseSystem::transpose() {
+  for (Entry& e : a) std::swap(e.row, e.column);
+}
+
+Eigen::MatrixXcd SparseSystem::dense() const {
+  Eigen::MatrixXcd out = Eigen::MatrixXcd::Zero(b.size(), b.size());
+  for (const Entry& e : a) out(e.row, e.column) += e.value;
+  return out;
+}
+
+Eigen::VectorXcd solve_sparse(const SparseSystem& system) {
+  const Eigen::Index n = system.b.size();
+  std::vector<Eigen::Triplet<std::complex<double>, int>> entries;
+  entries.reserve(system.a.size());
+  for (const SparseSystem::Entry& e : system.a)
+    entries.emplace_back(static_cast<int>(e.row), static_cast<int>(e.column), e.value);
+  Eigen::SparseMatrix<std::complex<double>> a(n, n);
+  a.setFromTriplets(entries.begin(), entries.end());
+  SparseLu<std::complex<double>> lu;
+  if (!lu.factorise(a)) return Eigen::VectorXcd::Constant(n, std::numeric_limits<double>::quiet_NaN());
+  return lu.solve(system.b);
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,94 @@
+#include "base/documents/document.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "base/error.hpp"
+
+namespace bodesmith {
+namespace {
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Document, EveryJsonValueKnowsItsLine) {
+  const Node node =
+      parse_json("{\n \"a\": 1,\n \"b\": [\n  2,\n  3\n ],\n \"c\": {\"d\": \"x\"}\n}\n", "f.json");
+  EXPECT_EQ(node.at("a").line(), 2);
+  EXPECT_EQ(node.at("b").line(), 3);
+  EXPECT_EQ(node.at("b")[0].line(), 4);
+  EXPECT_EQ(node.at("b")[1].line(), 5);
+  EXPECT_EQ(node.at("c").at("d").line(), 7);
+  EXPECT_EQ(node.at("c").at("d").string(), "x");
+}
+
+TEST(Document, ComplaintsNameFileLineAndPlace) {
+  const Node node = parse_json("{\"terms\": [\n {\"beta\": \"x\"}\n]}", "cascade.json");
+  EXPECT_EQ(error_of([&] { node.at("terms")[0].at("beta").number(); }),
+            "cascade.json:2: 'terms[0].beta' is a string, expected a number");
+  EXPECT_EQ(error_of([&] { node.at("terms")[0].at("x"); }), "cascade.json:2: 'terms[0].x' is missing");
+}
+
+TEST(Document, BrokenJsonNamesTheLine) {
+  EXPECT_THAT(
+      error_of([] { parse_json("{\n\"a\": 1,\n\"b\" 2}", "x.json"); }).find("x.json:3: not valid JSON"), 0u);
+  EXPECT_THAT(error_of([] { parse_json("", "x.json"); }).find("x.json:1: not valid JSON"), 0u);
+  EXPECT_THAT(error_of([] { parse_json("{\"a\":1,\n\"a\":2}", "x.json"); }), "x.json:2: 'a' is given twice");
+  EXPECT_NE(error_of([] { parse_json(std::string(5000, '['), "x.json"); }).find("deep"), std::string::npos);
+  EXPECT_NE(error_of([] { parse_json("{\"a\": 1e999}", "x.json"); }), "no error");
+}
+
+TEST(Document, OtherEncodingsAreToldByName) {
+  const auto answer = [](std::string_view bytes) -> std::string {
+    try {
+      (void)parse_json(bytes, "a.json");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  using namespace std::string_view_literals;
+  EXPECT_EQ(answer("\xFF\xFE{\0}\0"sv), "a.json: is UTF-16, expected UTF-8");
+  EXPECT_EQ(answer("{\0}\0"sv), "a.json: is UTF-16, expected UTF-8");
+  EXPECT_EQ(answer("\xFF\xFE\0\0{\0\0\0"sv), "a.json: is UTF-32, expected UTF-8");
+  EXPECT_THROW((void)parse_toml("\xFE\xFF\0a"sv, "a.toml"), InputError);
+  EXPECT_EQ(answer("\xEF\xBB\xBF{}"sv), "");
+}
+
+TEST(Document, TomlKeepsLinesAndOrder) {
+  const Node node =
+      parse_toml("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2\n", "m.toml");
+  node.expect_schema("model");
+  EXPECT_EQ(node.at("block")[0].at("gain").number(), 2.0);
+  EXPECT_EQ(node.at("block")[0].at("gain").line(), 4);
+  EXPECT_EQ(error_of([&] { node.expect_schema("cascade"); }),
+            "m.toml:1: 'schema' is \"bodesmith.model/1\", expected \"bodesmith.cascade/1\"");
+  EXPECT_EQ(error_of([&] { node.at("block")[0].allow_only({"type"}); }),
+            "m.toml:4: 'block[0].gain' is not known here, expected one of: type");
+  EXPECT_EQ(error_of([] { parse_toml("a = \n", "m.toml"); }).find("m.toml:1: not valid TOML"), 0u);
+  EXPECT_EQ(error_of([] { parse_toml("a = nan\n", "m.toml").at("a").number(); }),
+            "m.toml:1: 'a' is not finite, expected a finite number");
+}
+
+TEST(Document, TextsHaveOneLine) {
+  EXPECT_EQ(error_of([] { parse_json("{\"name\": \"a\\n.control\"}", "p.json").at("name").string(); }),
+            "p.json:1: 'name' holds a line break or another control character, expected one line of text");
+  EXPECT_EQ(parse_json("{\"name\": \"µF, 10 %\"}", "p.json").at("name").string(), "µF, 10 %");
+}
+
+TEST(Document, WhatStandsBelowAFractionLineHasAnInverse) {
+  EXPECT_EQ(parse_json("{\"f_hz\": 3e-308}", "p.json").at("f_hz").positive(), 3e-308);
+  EXPECT_EQ(error_of([] { parse_json("{\"f_hz\": 1e-320}", "p.json").at("f_hz").positive(); }),
+            "p.json:1: 'f_hz' is 9.99989e-321, expected a number above 2.3e-308");
+}
+
+}  // namespace
+}  // namespace bodesmith

@@ -1,0 +1,185 @@
+// Measured responses made from known poles and zeros with normal noise: order, roots and their stated deviations.
+#include "fit/measured/measured_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/documents/json.hpp"
+#include "base/error.hpp"
+#include "lti/section_making.hpp"
+#include "numeric/random.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+std::vector<Complex> pair_at(double hz, double damping) {
+  const double w = Hertz{hz}.rad_s().value;
+  const Complex root(-damping * w, w * std::sqrt(1.0 - damping * damping));
+  return {root, std::conj(root)};
+}
+
+Complex real_at(double hz) {
+  return {-Hertz{hz}.rad_s().value, 0.0};
+}
+
+/// A stage with two modes, an antiresonance between them and a lag.
+Sections two_modes() {
+  std::vector<Complex> poles = pair_at(900.0, 0.01);
+  for (const Complex& p : pair_at(2500.0, 0.03)) poles.push_back(p);
+  poles.push_back(real_at(6000.0));
+  std::vector<Complex> zeros = pair_at(1500.0, 0.02);
+  zeros.push_back(-real_at(8000.0));  // right half plane
+  Sections out = make_sections(1.0, zeros, poles);
+  out.gain /= out.dc_gain();
+  return out;
+}
+
+FrequencyRecord measured(const Sections& truth, std::size_t count, double noise, std::uint64_t seed) {
+  FrequencyRecord out;
+  out.file = "made.csv";
+  Random random(seed);
+  out.frequency = log_grid({Hertz{10.0}, Hertz{2e4}}, static_cast<int>(count));
+  for (const Hertz f : out.frequency) {
+    const Complex h = truth.response(f.rad_s());
+    const double size = noise * (0.02 + std::abs(h)) / std::sqrt(2.0);
+    const double re = random.normal();
+    out.response.push_back(h + size * Complex(re, random.normal()));
+  }
+  return out;
+}
+
+TEST(MeasuredFit, FindsOrderDelayAndRootsWithinTheirDeviations) {
+  Sections truth = two_modes();
+  truth.delay_s = 20e-6;
+  const MeasuredFit fit = fit_measured(measured(truth, 600, 0.01, 7), {});
+  EXPECT_EQ(fit.order, 5);
+  EXPECT_NEAR(fit.delay_s, 20e-6, 5.0 * fit.delay_deviation_s);
+  EXPECT_GT(fit.delay_deviation_s, 0.0);
+  EXPECT_LT(fit.delay_deviation_s, 1e-6);
+  int found = 0;
+  for (const auto& [hz, damping] : {std::pair{900.0, 0.01}, {2500.0, 0.03}}) {
+    for (const MeasuredFit::Root& pole : fit.poles) {
+      if (!pole.pair || std::abs(pole.frequency.value / hz - 1.0) > 0.05) continue;
+      ++found;
+      EXPECT_NEAR(pole.frequency.value, hz, 5.0 * pole.frequency_deviation.value);
+      EXPECT_NEAR(pole.damping, damping, 5.0 * pole.damping_deviation);
+      EXPECT_LT(pole.frequency_deviation.value, 1e-3 * hz);
+    }
+  }
+  EXPECT_EQ(found, 2);
+  const auto right = std::count_if(fit.zeros.begin(), fit.zeros.end(),
+                                   [](const MeasuredFit::Root& zero) { return zero.frequency.value < 0.0; });
+  EXPECT_EQ(right, 1);
+  EXPECT_NEAR(fit.rms_noise, 1.0, 0.3);
+  EXPECT_FALSE(fit.orders.empty());
+}
+
+TEST(MeasuredFit, DeviationsAreThoseOfRepeatedMeasurements) {
+  const Sections truth = two_modes();
+  MeasuredFitOptions options;
+  options.order = 5;
+  options.delay = false;
+  double square = 0.0;
+  double stated = 0.0;
+  const int repeats = 24;
+  for (int i = 0; i < repeats; ++i) {
+    const MeasuredFit fit =
+        fit_measured(measured(truth, 300, 0.02, 100 + static_cast<std::uint64_t>(i)), options);
+    for (const MeasuredFit::Root& pole : fit.poles) {
+      if (std::abs(pole.frequency.value - 900.0) > 50.0) continue;
+      square += std::pow(pole.frequency.value - 900.0, 2) / repeats;
+      stated += pole.frequency_deviation.value / repeats;
+    }
+  }
+  EXPECT_GT(std::sqrt(square) / stated, 0.6);
+  EXPECT_LT(std::sqrt(square) / stated, 1.6);
+}
+
+TEST(MeasuredFit, WithoutNoiseTheResponseIsMetExactly) {
+  MeasuredFitOptions options;
+  options.order = 5;
+  options.delay = false;
+  const MeasuredFit fit = fit_measured(measured(two_modes(), 200, 0.0, 1), options);
+  EXPECT_LT(fit.max_db, 1e-6);
+}
+
+TEST(MeasuredFit, ManyPolesInManyPoints) {
+  std::vector<Complex> poles;
+  std::vector<Complex> zeros;
+  for (int i = 0; i < 10; ++i) {
+    const double hz = 40.0 * std::pow(1.7, i);
+    for (const Complex& p : pair_at(hz, 0.01 + 0.004 * i)) poles.push_back(p);
+    if (i < 9) {
+      for (const Complex& z : pair_at(1.3 * hz, 0.02)) zeros.push_back(z);
+    }
+  }
+  Sections truth = make_sections(1.0, zeros, poles);
+  truth.gain /= truth.dc_gain();
+  MeasuredFitOptions options;
+  options.order = 20;
+  options.delay = false;
+  const MeasuredFit fit = fit_measured(measured(truth, 2000, 0.01, 3), options);
+  EXPECT_EQ(fit.order, 20);
+  EXPECT_NEAR(fit.rms_noise, 1.0, 0.3);
+}
+
+TEST(MeasuredFit, KeepsItsDelayInTheFile) {
+  Sections sections = two_modes();
+  sections.delay_s = 1e-3;
+  const Complex h = sections.response(Hertz{100.0}.rad_s());
+  const Sections read = Sections::from_node(parse_json(
+      [&] {
+        Json json = sections.to_json();
+        json["schema"] = "bodesmith.sections/1";
+        return json.dump();
+      }(),
+      "s.json"));
+  EXPECT_NEAR(std::abs(read.response(Hertz{100.0}.rad_s()) - h), 0.0, 1e-12);
+  EXPECT_EQ(read.delay_s, 1e-3);
+}
+
+// A circuit would be built for a corner far below the band, or for none.
+TEST(MeasuredFit, ZerosThatCannotBeToldFromRestAreThere) {
+  for (const std::size_t zeros_at_rest : {std::size_t{1}, std::size_t{2}}) {
+    std::vector<Complex> poles = pair_at(900.0, 0.2);
+    poles.push_back(real_at(60.0));
+    const Sections truth = make_sections(1e6, std::vector<Complex>(zeros_at_rest), poles);
+    FrequencyRecord record = measured(truth, 120, 0.0, 3);
+    Random random(5);
+    for (Complex& h : record.response) {
+      const double re = random.normal();
+      h *= 1.0 + 0.004 * Complex(re, random.normal());
+    }
+    const MeasuredFit fit = fit_measured(record, {});
+    EXPECT_EQ(fit.order, 3);
+    ASSERT_EQ(fit.zeros.size(), zeros_at_rest);
+    for (const MeasuredFit::Root& zero : fit.zeros) EXPECT_EQ(zero.frequency.value, 0.0);
+    EXPECT_EQ(fit.sections.dc_gain(), 0.0);
+    EXPECT_LT(fit.rms_db, 0.06);
+  }
+  // One that can be told stays.
+  std::vector<Complex> poles = pair_at(900.0, 0.2);
+  poles.push_back(real_at(60.0));
+  const Sections truth = make_sections(1e6, {real_at(6.0)}, poles);
+  const MeasuredFit fit = fit_measured(measured(truth, 120, 0.004, 3), {});
+  ASSERT_EQ(fit.zeros.size(), 1u);
+  EXPECT_NEAR(fit.zeros[0].frequency.value, 6.0, 5.0 * fit.zeros[0].frequency_deviation.value);
+}
+
+TEST(MeasuredFit, RefusesWhatDeterminesNothing) {
+  FrequencyRecord record = measured(two_modes(), 5, 0.0, 1);
+  EXPECT_THROW(fit_measured(record, {}), InputError);
+  record = measured(two_modes(), 20, 0.0, 1);
+  MeasuredFitOptions options;
+  options.order = 12;
+  EXPECT_THROW(fit_measured(record, options), InputError);
+  for (Complex& h : record.response) h = 0.0;
+  EXPECT_THROW(fit_measured(record, {}), InputError);
+}
+
+}  // namespace
+}  // namespace bodesmith

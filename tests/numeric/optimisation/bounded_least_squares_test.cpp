@@ -1,0 +1,144 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "numeric/optimisation/bounded_least_squares.hpp"
+#include "numeric/optimisation/constrained_programs.hpp"
+#include "numeric/optimisation/population_search.hpp"
+#include "numeric/parallel_for.hpp"
+#include "numeric/random.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Many minima, the deepest at 0.5 in every direction (Rastrigin 1974, moved).
+double rastrigin(const VectorXd& x) {
+  double sum = 0.0;
+  for (const double v : x) sum += (v - 0.5) * (v - 0.5) + 1.0 - std::cos(2.0 * std::numbers::pi * (v - 0.5));
+  return sum;
+}
+
+TEST(DifferentialEvolution, FindsTheDeepestOfManyMinima) {
+  const VectorXd low = VectorXd::Constant(3, -4.0), high = VectorXd::Constant(3, 4.0);
+  const auto found = differential_evolution(rastrigin, low, high, {.generations = 400});
+  EXPECT_LT(found.cost, 1e-4);
+  EXPECT_EQ(found.x.size(), 3);
+  // The same numbers give the same path.
+  const auto again = differential_evolution(rastrigin, low, high, {.generations = 400});
+  EXPECT_EQ(found.cost, again.cost);
+  EXPECT_EQ(found.evaluations, again.evaluations);
+}
+
+TEST(ParticleSwarm, FindsTheDeepestOfManyMinimaWithinTheBounds) {
+  const VectorXd low = VectorXd::Constant(3, -4.0), high = VectorXd::Constant(3, 0.4);
+  const auto found = pso_cuckoo(rastrigin, low, high, {});
+  for (const double v : found.x) EXPECT_NEAR(v, 0.4, 1e-3);  // the bound nearest to the minimum
+}
+
+TEST(QuadraticProgram, MeetsItsConstraints) {
+  // min (x - 2)^2 + (y - 1)^2, x + y <= 2, x <= 1.2: at (1.2, 0.8) by hand.
+  QuadraticProgram problem;
+  problem.q = 2.0 * MatrixXd::Identity(2, 2);
+  problem.c = (VectorXd(2) << -4.0, -2.0).finished();
+  problem.a = (MatrixXd(2, 2) << 1.0, 1.0, 1.0, 0.0).finished();
+  problem.b = (VectorXd(2) << 2.0, 1.2).finished();
+  const auto found = solve_quadratic_program(problem, VectorXd::Zero(2));
+  EXPECT_TRUE(found.solved);
+  EXPECT_NEAR(found.x(0), 1.2, 1e-7);
+  EXPECT_NEAR(found.x(1), 0.8, 1e-7);
+  // Gradient = -A' multipliers.
+  const VectorXd balance = problem.q * found.x + problem.c + problem.a.transpose() * found.multiplier;
+  EXPECT_LT(balance.norm(), 1e-6);
+}
+
+// min t, |e_i + s_i x| <= t: with rows told to be pairs the same answer as without.
+TEST(QuadraticProgram, RowsInPairsAreTheSameProgram) {
+  constexpr Eigen::Index kErrors = 30;
+  QuadraticProgram problem;
+  problem.q = Eigen::MatrixXd::Zero(4, 4);
+  problem.c = Eigen::Vector4d(0.0, 0.0, 1.0, 0.0);
+  problem.a = Eigen::MatrixXd::Zero(2 * kErrors + 6, 4);
+  problem.b = Eigen::VectorXd::Ones(2 * kErrors + 6);
+  for (Eigen::Index i = 0; i < kErrors; ++i) {
+    const double at = static_cast<double>(i) / kErrors;
+    const Eigen::RowVector4d slope(1.0, at, 0.0, std::sin(7.0 * at));
+    problem.a.row(i) = slope;
+    problem.a.row(kErrors + i) = -slope;
+    problem.a(i, 2) = problem.a(kErrors + i, 2) = -1.0;
+    problem.b(i) = -std::exp(at);
+    problem.b(kErrors + i) = std::exp(at);
+  }
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Eigen::Index variable = k < 2 ? k : 3;
+    problem.a(2 * kErrors + 2 * k, variable) = 1.0;
+    problem.a(2 * kErrors + 2 * k + 1, variable) = -1.0;
+  }
+  const Eigen::Vector4d start(0.0, 0.0, 5.0, 0.0);
+  const QuadraticProgramResult plain = solve_quadratic_program(problem, start);
+  problem.pairs = kErrors;
+  problem.level = 2;
+  const QuadraticProgramResult paired = solve_quadratic_program(problem, start);
+  ASSERT_TRUE(plain.solved);
+  ASSERT_TRUE(paired.solved);
+  EXPECT_LT((plain.x - paired.x).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((plain.multiplier - paired.multiplier).cwiseAbs().maxCoeff(), 1e-6);
+  // Less than what the best constant leaves of e^x, and within the box.
+  EXPECT_LT(paired.x(2), 0.5 * (std::exp(1.0) - 1.0));
+  EXPECT_LE(paired.x.cwiseAbs()(0), 1.0 + 1e-8);
+}
+
+TEST(QuadraticProgram, ALinearProgramEndsInItsCorner) {
+  QuadraticProgram problem;
+  problem.q = MatrixXd::Zero(2, 2);
+  problem.c = (VectorXd(2) << -1.0, -1.0).finished();
+  problem.a = (MatrixXd(4, 2) << 2.0, 1.0, 1.0, 2.0, -1.0, 0.0, 0.0, -1.0).finished();
+  problem.b = (VectorXd(4) << 3.0, 3.0, 0.0, 0.0).finished();
+  const auto found = solve_quadratic_program(problem, VectorXd::Zero(2));
+  EXPECT_NEAR(found.x(0), 1.0, 1e-6);
+  EXPECT_NEAR(found.x(1), 1.0, 1e-6);
+}
+
+TEST(BoundedLeastSquares, SatisfiesKuhnAndTuckerAndReducesToTheFreeSolution) {
+  Random random(6);
+  for (int trial = 0; trial < 20; ++trial) {
+    LongMatrix a(9, LongVector(4));
+    LongVector b(9);
+    for (auto& row : a)
+      for (auto& v : row) v = random.normal();
+    for (auto& v : b) v = random.normal();
+    const BoundedSolution tight = bounded_least_squares(a, b, -0.1L, 0.1L);
+    EXPECT_LT(static_cast<double>(tight.optimality_residual), 1e-15);
+    for (const long double v : tight.x) EXPECT_LE(std::abs(static_cast<double>(v)), 0.1 + 1e-18);
+    const BoundedSolution wide = bounded_least_squares(a, b, -1e3L, 1e3L);
+    const LongVector free = least_squares(a, b);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_NEAR(static_cast<double>(wide.x[i]), static_cast<double>(free[i]),
+                  1e-15 * 1e3);  // steps come from the bounds
+      EXPECT_EQ(wide.bound[i], 0);
+    }
+  }
+}
+
+TEST(ParallelFor, DoesEachPieceOnceAndThrowsAgain) {
+  for (const int threads : {0, 1, 3, 50}) {
+    std::vector<std::atomic<int>> done(17);
+    parallel_for(done.size(), threads, [&](std::size_t i) { ++done[i]; });
+    for (const auto& d : done) EXPECT_EQ(d, 1);
+  }
+  EXPECT_THROW(parallel_for(8, 2,
+                            [](std::size_t i) {
+                              if (i == 5) throw std::runtime_error("five");
+                            }),
+               std::runtime_error);
+  EXPECT_GE(thread_count(0), 1);
+  EXPECT_EQ(thread_count(3), 3);
+}
+
+}  // namespace
+}  // namespace bodesmith

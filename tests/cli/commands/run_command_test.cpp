@@ -40,7 +40,7 @@ class NanopositionerRun : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    write_with_clock(*folder_ / "p", "1");
+    write_with_clock(*folder_ / "p", "1.2");
     result_ = new ProgramResult(run_bodesmith("run " + project() + " -o " + out("").string()));
   }
   static std::string project() { return (*folder_ / "p/seed.toml").string(); }
@@ -92,10 +92,11 @@ TEST_F(NanopositionerRun, InterpolatesEveryPoint) {
 TEST_F(NanopositionerRun, PlanStaysCloseToTheSections) {
   const Node plan = json("fpaa/plan.json");
   // Stages follow their input through phase 1 and keep its value through phase 2: no half period of delay at 2 kHz (16 %). At a
-  // clock that is given, most of what boards are off is mismatch: 2 % for 95 % of them, at an input worth having.
-  EXPECT_LE(plan.at("error_with_delays").at("max_complex_percent").number(), 1.0);
-  EXPECT_LE(plan.at("total").at("p95_percent").number(), 2.1);
-  EXPECT_GE(plan.at("total").at("at_input_v").number(), 1.2);
+  // clock that is given, most of what boards are off is mismatch: 1.8 % for 95 % of them, at an input worth having. (While last digits decided, the search
+  // came to 0.60 % as designed, 2.01 for 95 %, in 1.3 V.)
+  EXPECT_LE(plan.at("error_with_delays").at("max_complex_percent").number(), 1.2);
+  EXPECT_LE(plan.at("total").at("p95_percent").number(), 1.9);
+  EXPECT_GE(plan.at("total").at("at_input_v").number(), 0.95);
   EXPECT_GE(plan.at("total").at("p95_percent").number(),
             plan.at("error_with_delays").at("max_complex_percent").number() * 0.999);
 }

@@ -64,10 +64,11 @@ chain::Trained trained_of(const StageFit& fit, std::span<const TimeRecord> train
   return out;
 }
 
-bool has_something_free(const chain::Chain& model) {
+/// Whether the stage's size may be refitted (a delay alone does not let it).
+bool has_free_gain(const chain::Chain& model) {
   return std::any_of(model.blocks.begin(), model.blocks.end(), [](const chain::Block& block) {
     return std::any_of(block.parameters().begin(), block.parameters().end(),
-                       [](const chain::Parameter& p) { return p.free; });
+                       [](const chain::Parameter& p) { return p.free && p.key() == "gain"; });
   });
 }
 
@@ -75,7 +76,7 @@ bool has_something_free(const chain::Chain& model) {
 
 chain::Chain identified_model(const StageFit& fit, std::span<const TimeRecord> training, double skip_s) {
   chain::Chain model = fit.stage.chain();
-  if (!has_something_free(model)) {
+  if (!has_free_gain(model)) {
     model.blocks.push_back(chain::make_block("gain").set("gain", 1.0).set("offset", 0.0));
     for (chain::Parameter& p : model.blocks.back().parameters()) p.free = true;
   }

@@ -9,6 +9,7 @@
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "hysteresis/model_type.hpp"
+#include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"
 #include "identify/stage_fit.hpp"
 
@@ -76,6 +77,23 @@ TEST(RecordFindings, SayTransientsDelaysAndSingleFrequencies) {
   const RecordFindings single = find_in_records({&sine, 1}, {}, false);
   ASSERT_TRUE(single.frequency_hz.has_value());
   EXPECT_NEAR(*single.frequency_hz, 5.0, 0.05);
+}
+
+// What diagnose may refit: a delay beside a model whose own numbers stay leaves the size free all the same.
+TEST(IdentifiedModel, LeavesTheSizeFreeBesideADelay) {
+  const TimeRecord record = disturbed_record(0.0, 3.2e-3);
+  StageFit fit;
+  fit.stage.delay_s = 3.2e-3;
+  const chain::Chain model = identified_model(fit, {&record, 1}, 0.0);
+  bool gain = false, delay = false;
+  for (const chain::Block& block : model.blocks) {
+    for (const chain::Parameter& p : block.parameters()) {
+      gain = gain || (p.free && p.key() == "gain");
+      delay = delay || (p.free && p.key() == "delay_s");
+    }
+  }
+  EXPECT_TRUE(gain);
+  EXPECT_TRUE(delay);
 }
 
 TEST(ErrorFigures, AreThoseOfEquation8) {

@@ -58,7 +58,7 @@ PeriodicNetworks joined(const std::vector<StageSwitches>& stages, const std::vec
     for (int n = 1; n < part.nodes; ++n)
       node[static_cast<std::size_t>(n)] = n == part.inputs[0] ? from : whole.add_node();
     const auto of = [&](int n) { return node[static_cast<std::size_t>(n)]; };
-    for (auto c : part.capacitors) whole.capacitors.push_back({c.name, of(c.a), of(c.b), c.size});
+    for (const auto& c : part.capacitors) whole.capacitors.push_back({c.name, of(c.a), of(c.b), c.size});
     for (auto s : part.switches) whole.switches.push_back({of(s.a), of(s.b), static_cast<int>(i), s.phase});
     for (auto a : part.opamps) whole.opamps.push_back({of(a.plus), of(a.minus), of(a.out)});
     from = of(part.opamps[0].out);

@@ -1,6 +1,7 @@
 #include "simulate/record/record_simulator.hpp"
 
 #include <fmt/format.h>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -164,8 +165,9 @@ struct RecordSimulator::Implementation {
   /// What rounding may have done to the last run: that of a step, grown by the modes' cancellation, which a mode that
   /// remembers many steps adds up at random.
   double rounding_error(std::span<const double> y) {
-    double size = 0.0;
-    for (const double v : y) size = std::max(size, std::abs(v));
+    // In vectors: one by one this took a third of a million samples' time.
+    const double size =
+        Eigen::Map<const Eigen::ArrayXd>(y.data(), static_cast<Eigen::Index>(y.size())).abs().maxCoeff();
     double factor = 1.0;
     for (const RecordStage& stage : stages) {
       if (!stage.linear || stage.merged.order() == 0) continue;

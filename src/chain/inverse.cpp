@@ -8,12 +8,6 @@
 namespace bodesmith::chain {
 namespace {
 
-double polynomial_at(const std::vector<double>& c, double u) {
-  double sum = 0.0;
-  for (std::size_t i = c.size(); i-- > 0;) sum = sum * u + c[i];
-  return sum;
-}
-
 /// The point between low and high, where the polynomial has the values below and above (in either order), at which
 /// it is y.
 double bisected(const std::vector<double>& c, double low, double high, double y) {

@@ -23,6 +23,13 @@ struct LinearKernel : StateSpace {
   bool operator==(const LinearKernel&) const = default;
 };
 
+/// c0 + c1 u + c2 u^2 + ...
+inline double polynomial_at(const std::vector<double>& c, double u) {
+  double sum = 0.0;
+  for (std::size_t k = c.size(); k-- > 0;) sum = sum * u + c[k];
+  return sum;
+}
+
 /// y = f(u), no memory.
 class CurveKernel {
  public:

@@ -44,10 +44,7 @@ class OperatorKernel final : public MemoryKernel {
   }
   bool has_branches() const override { return curves_.has_value(); }
   double on_branch(bool rising, double u) const override {
-    const std::vector<double>& c = rising ? curves_->rising : curves_->falling;
-    double sum = 0.0;
-    for (std::size_t k = c.size(); k-- > 0;) sum = sum * u + c[k];
-    return sum;
+    return polynomial_at(rising ? curves_->rising : curves_->falling, u);
   }
   std::vector<double> branch_polynomial(bool rising) const override {
     if (!curves_) return {};

@@ -10,11 +10,7 @@ namespace {
 class PolynomialCurve final : public CurveKernel {
  public:
   explicit PolynomialCurve(std::vector<double> coefficients) : c_(std::move(coefficients)) {}
-  double value(double u) const override {
-    double sum = 0.0;
-    for (std::size_t i = c_.size(); i-- > 0;) sum = sum * u + c_[i];
-    return sum;
-  }
+  double value(double u) const override { return polynomial_at(c_, u); }
   double slope(double u) const override {
     double sum = 0.0;
     for (std::size_t i = c_.size(); i-- > 1;) sum = sum * u + static_cast<double>(i) * c_[i];

@@ -373,11 +373,12 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
     out.starts_tried += moves.tried();
   }
   RootModel::Roots roots = search.model.roots(search.best.theta);
-  out.cancelled = drop_cancelling(roots, problem.target, kDecibelPerNeper * search.best.value);
+  const double value_db = kDecibelPerNeper * search.best.value;
+  out.cancelled = drop_cancelling(roots, problem.target, value_db);
   // Masks and phases see more of a distant zero than the points' gains do.
   if (problem.target.masks.empty() && !options.use_phase) {
-    out.distant_zeros = drop_distant_zeros(roots, problem.target, kDecibelPerNeper * search.best.value);
-    out.zeros_at_origin = move_zeros_to_origin(roots, problem.target, kDecibelPerNeper * search.best.value);
+    out.distant_zeros = drop_distant_zeros(roots, problem.target, value_db);
+    out.zeros_at_origin = move_zeros_to_origin(roots, problem.target, value_db);
   }
   out.sections = make_sections(roots.gain, roots.zeros, roots.poles);
   out.parameters = static_cast<int>(search.model.size());

@@ -130,6 +130,7 @@ HoldPlan plan_holds(const std::vector<RecordStage>& stages, const std::vector<Ke
   std::sort(cuts.begin(), cuts.end());
   const std::size_t parts = std::min(kParts, cuts.empty() ? 1 : intervals / cuts.size() + 1);
   HoldPlan out;
+  out.ends.reserve(intervals);
   std::size_t holds = 0;
   const auto add = [&](std::size_t count, double h) {
     if (out.spans.empty() || out.spans.back().h != h) out.spans.push_back({0, h});

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "base/text.hpp"
+#include "schematic/writers/parts_table.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::synthesis {
@@ -107,13 +108,7 @@ std::string transfer_text(const std::vector<Biquad>& product) {
 std::string parts_csv(const Circuit& circuit) {
   CsvTable table({"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
   for (const Part& part : circuit.parts) {
-    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
-    const std::string stage = std::to_string(part.group + 1);
-    if (part.kind == Part::Kind::resistor) {
-      table.add_row({part.name, stage, part.series, wanted, realised, "", ""});
-    } else {
-      table.add_row({part.name, stage, part.series, "", "", wanted, realised});
-    }
+    table.add_row(schematic::part_cells(part, std::to_string(part.group + 1)));
   }
   return table.text();
 }

@@ -7,6 +7,7 @@
 
 #include "base/documents/json.hpp"
 #include "schematic/analysis/response.hpp"
+#include "schematic/writers/parts_table.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/realisation.hpp"
 
@@ -251,14 +252,10 @@ Json to_json(const Realised& realised) {
     Json parts = Json::array();
     for (std::size_t i = stage.first_part; i < stage.first_part + stage.part_count; ++i) {
       const Part& part = circuit.parts[i];
-      const bool resistor = part.kind == Part::Kind::resistor;
-      parts.push_back({{"part", part.name},
-                       {"from", part.from},
-                       {"to", part.to},
-                       {"series", part.series},
-                       {resistor ? "wanted_ohm" : "wanted_f", part.wanted},
-                       {resistor ? "realised_ohm" : "realised_f", part.realised},
-                       {"worst_db_per_percent", sensitivity[i]}});
+      Json one = {{"part", part.name}, {"from", part.from}, {"to", part.to}, {"series", part.series}};
+      schematic::add_values(one, part);
+      one["worst_db_per_percent"] = sensitivity[i];
+      parts.push_back(std::move(one));
     }
     out["stages"].push_back({{"realization", stage.realisation},
                              {"in", stage.in},

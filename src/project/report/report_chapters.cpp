@@ -161,7 +161,9 @@ void add_circuit_chapter(report::Page& page, const std::optional<synthesis::Buil
                                                      .tolerances = {},
                                                      .board = false}),
               "With connectors, supplies and decoupling on sheets of KiCad in the folder of the circuit.");
-  page.table(parts_table(best.made.circuit.parts));
+  page.table(
+      parts_table(best.made.circuit.parts),
+      "Parts of a stage scale together: one may lie some percent from its exact value where the others make up for it");
   for (const std::string& warning : best.opamps.warnings) page.warning(warning);
 }
 

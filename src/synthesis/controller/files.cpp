@@ -1,11 +1,14 @@
 #include "synthesis/controller/files.hpp"
 
 #include <fmt/format.h>
-#include "base/documents/json.hpp"
 
+#include <utility>
+
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "schematic/writers/kicad/schematic.hpp"
+#include "schematic/writers/parts_table.hpp"
 #include "signal/csv.hpp"
 #include "synthesis/controller/library.hpp"
 
@@ -17,11 +20,7 @@ Json parts_json(const AnalogController& controller) {
   for (const Part& part : controller.parts) {
     Json one = {{"name", part.name}, {"role", part.role}, {"section", controller.groups[part.group].title},
                 {"from", part.from}, {"to", part.to},     {"series", part.series}};
-    if (part.kind != Part::Kind::diode) {
-      const char* unit = part.kind == Part::Kind::resistor ? "ohm" : "f";
-      one[std::string("wanted_") + unit] = part.wanted;
-      one[std::string("realised_") + unit] = part.realised;
-    }
+    schematic::add_values(one, part);
     out.push_back(one);
   }
   return out;
@@ -44,19 +43,11 @@ std::string parts_csv(const AnalogController& controller) {
   CsvTable table(
       {"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f", "type", "role"});
   for (const Part& part : controller.parts) {
-    const std::string& section = controller.groups[part.group].title;
-    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
-    switch (part.kind) {
-      case Part::Kind::resistor:
-        table.add_row({part.name, section, part.series, wanted, realised, "", "", "resistor", part.role});
-        break;
-      case Part::Kind::capacitor:
-        table.add_row({part.name, section, part.series, "", "", wanted, realised, "capacitor", part.role});
-        break;
-      case Part::Kind::diode:
-        table.add_row({part.name, section, "", "", "", "", "", part.series, part.role});
-        break;
-    }
+    std::vector<std::string> row = schematic::part_cells(part, controller.groups[part.group].title);
+    std::string type = part.kind == Part::Kind::resistor ? "resistor" : "capacitor";
+    if (part.kind == Part::Kind::diode) type = std::exchange(row[2], "");
+    row.insert(row.end(), {type, part.role});
+    table.add_row(row);
   }
   const auto component = [&](const std::string& name, std::size_t group, const std::string& type,
                              const std::string& role) {

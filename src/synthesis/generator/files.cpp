@@ -5,6 +5,7 @@
 #include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "schematic/writers/parts_table.hpp"
 #include "schematic/writers/spice_library.hpp"
 
 namespace bodesmith::generator {
@@ -105,13 +106,9 @@ Json to_json(const Layout& layout) {
   }
   out["parts"] = Json::array();
   for (const Part& one : layout.parts) {
-    const bool resistor = one.kind == Part::Kind::resistor;
     Json part = {
         {"part", one.name}, {"role", one.role}, {"from", one.from}, {"to", one.to}, {"series", one.series}};
-    if (one.kind != Part::Kind::diode) {
-      part[resistor ? "wanted_ohm" : "wanted_f"] = one.wanted;
-      part[resistor ? "realised_ohm" : "realised_f"] = one.realised;
-    }
+    schematic::add_values(part, one);
     out["parts"].push_back(std::move(part));
   }
   out["error"] = {{"max_error_percent", layout.max_error_percent}};

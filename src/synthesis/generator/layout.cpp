@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "schematic/writers/parts_table.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::generator {
@@ -32,14 +33,7 @@ int degree(const std::vector<double>& a) {
 std::string parts_csv(const Layout& layout) {
   CsvTable table({"part", "role", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
   for (const Part& part : layout.parts) {
-    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
-    if (part.kind == Part::Kind::diode) {
-      table.add_row({part.name, part.role, part.series, "", "", "", ""});
-    } else if (part.kind == Part::Kind::resistor) {
-      table.add_row({part.name, part.role, part.series, wanted, realised, "", ""});
-    } else {
-      table.add_row({part.name, part.role, part.series, "", "", wanted, realised});
-    }
+    table.add_row(schematic::part_cells(part, part.role));
   }
   return table.text();
 }

@@ -55,11 +55,13 @@ Complex FlankedCurve::difference(std::size_t k, Complex log_got) const {
   return {d.real(), turned_back(d.imag())};
 }
 
-void FlankedCurve::visit(std::size_t i, int step, Complex log_got, Error& out) const {
+void FlankedCurve::visit(std::size_t i, int step, Complex log_got, const Error& enough, Error& out) const {
   Complex before = difference(i, log_got);
   double way_before = 0.0;
   const std::size_t end = step > 0 ? log_f_.size() - 1 : 0;
-  for (std::size_t k = i; k != end && way_before < std::max({out.neper, out.rad, out.relative});) {
+  const auto may_fall = [&](double size, double least) { return size > least && size > way_before; };
+  for (std::size_t k = i; k != end && (may_fall(out.neper, enough.neper) || may_fall(out.rad, enough.rad) ||
+                                       may_fall(out.relative, enough.relative));) {
     const std::size_t next = step > 0 ? k + 1 : k - 1;
     const double way = kFlankRate * std::abs(log_f_[next] - log_f_[i]);
     const double turn = step > 0 ? turn_[next] : -turn_[k];
@@ -81,13 +83,13 @@ void FlankedCurve::visit(std::size_t i, int step, Complex log_got, Error& out) c
   }
 }
 
-FlankedCurve::Error FlankedCurve::error(std::size_t i, Complex got) const {
+FlankedCurve::Error FlankedCurve::error(std::size_t i, Complex got, const Error& enough) const {
   const Complex log_got(std::max(std::log(std::abs(got)), floor_), std::arg(got));
   const Complex here = difference(i, log_got);
   Error out{std::abs(here.real()), std::abs(here.imag()), std::abs(got / h_[i] - 1.0)};
   if (std::max({out.neper, out.rad, out.relative}) <= reach_[i]) return out;
-  visit(i, 1, log_got, out);
-  visit(i, -1, log_got, out);
+  visit(i, 1, log_got, enough, out);
+  visit(i, -1, log_got, enough, out);
   return out;
 }
 

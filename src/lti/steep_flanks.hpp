@@ -34,12 +34,14 @@ class FlankedCurve {
     double rad = 0.0;
     double relative = 0.0;  ///< |got/wanted - 1|; of what is moved, |ln(got/wanted)| and the shift
   };
-  Error error(std::size_t i, std::complex<double> got) const;
+  /// Which of its figures stay at or below those of `enough` is all that is told of them.
+  Error error(std::size_t i, std::complex<double> got, const Error& enough) const;
+  Error error(std::size_t i, std::complex<double> got) const { return error(i, got, Error{}); }
 
  private:
   /// Level and angle of `got` against the curve's at point k.
   std::complex<double> difference(std::size_t k, std::complex<double> log_got) const;
-  void visit(std::size_t i, int step, std::complex<double> log_got, Error& out) const;
+  void visit(std::size_t i, int step, std::complex<double> log_got, const Error& enough, Error& out) const;
 
   std::vector<double> log_f_;
   std::vector<std::complex<double>> log_h_;

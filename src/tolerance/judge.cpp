@@ -56,7 +56,9 @@ Judge::Worst Judge::operator()(std::size_t i, double db, double deg, const Worst
   const double most = std::max({out.db / kDecibelPerNeper, out.deg / to_degrees(1.0), out.percent / 100.0});
   const std::size_t at = place_[i];
   if (most <= curve_.as_it_is_below(at)) return out;
-  const FlankedCurve::Error error = curve_.error(at, wanted_[at] * std::polar(r, deg / to_degrees(1.0)));
+  const FlankedCurve::Error error =
+      curve_.error(at, wanted_[at] * std::polar(r, deg / to_degrees(1.0)),
+                   {least.db / kDecibelPerNeper, least.deg / to_degrees(1.0), least.percent / 100.0});
   return {kDecibelPerNeper * error.neper, to_degrees(error.rad), 100.0 * error.relative};
 }
 

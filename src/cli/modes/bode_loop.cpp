@@ -288,6 +288,8 @@ std::string margins_text(const CommandLine& line, const std::vector<Hertz>& grid
     const auto stable = closed_loop_is_stable(*response.source.sections);
     json["closed_loop_stable"] = stable ? Json(*stable) : Json();
     if (stable) text += *stable ? "; the closed loop is stable" : "; the closed loop is UNSTABLE";
+  } else if (m.encircles) {
+    text += "; if it is stable by itself, its closed loop is UNSTABLE: over this band it goes round -1";
   }
   summary["margins"] = json;
   return text + "\n";

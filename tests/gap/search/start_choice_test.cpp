@@ -10,20 +10,20 @@
 #include "base/documents/json.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
-#include "made_model.hpp"
+#include "gap/made_model.hpp"
 
 namespace {
 
 using namespace bodesmith;
 using chain::Start;
 
-constexpr double kStep = 1e-3;
+constexpr double kInterval = 1e-3;
 constexpr double kBias = 1.5;
 
 std::vector<double> waves(double from, double hz) {
   std::vector<double> u;
   for (int i = 0; i < 1500; ++i) {
-    const double t = kStep * i;
+    const double t = kInterval * i;
     u.push_back(from + std::sin(2.0 * std::numbers::pi * hz * t) * (1.0 - 0.5 * t) +
                 0.4 * std::sin(2.0 * std::numbers::pi * 2.7 * hz * t));
   }
@@ -34,7 +34,7 @@ std::vector<double> waves(double from, double hz) {
 TimeRecord driven_by(std::vector<double> u) {
   TimeRecord r;
   r.file = "made.csv";
-  r.step_s = kStep;
+  r.step_s = kInterval;
   r.u = std::move(u);
   return r;
 }
@@ -51,7 +51,7 @@ TimeRecord lagging(std::vector<double> u, double hz, double top, double before, 
     if (i + 1 == r.u.size()) break;
     for (int k = 0; k < kParts; ++k) {
       const double in = r.u[i] + (r.u[i + 1] - r.u[i]) * (k + 0.5) / kParts;
-      y += 2.0 * std::numbers::pi * hz * (1.3 * in - y) * kStep / kParts;
+      y += 2.0 * std::numbers::pi * hz * (1.3 * in - y) * kInterval / kParts;
     }
   }
   return r;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/whole_number.hpp"
+#include "gap/made_model.hpp"
 #include "gap/runner.hpp"
-#include "made_model.hpp"
 
 namespace {
 

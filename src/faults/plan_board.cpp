@@ -23,7 +23,7 @@ PlanBoard::PlanBoard(const fpaa::Plan& plan, Measurement measured, const Spread&
   mismatch.unit_percent = spread.unit_capacitor_percent;
   for (const double n : units()) sigma_.push_back(n > 0.0 ? mismatch.relative_sigma(n) : 0.0);
   set_good(response({}));
-  const auto sensitivities = drawn_->sensitivities();
+  const auto sensitivities = drawn_->sensitivities(drawn_->nominal_units());
   slopes_.resize(eigen_index(grid_.size()), eigen_index(sigma_.size()));
   for (std::size_t c = 0; c < sigma_.size(); ++c) {
     for (std::size_t k = 0; k < grid_.size(); ++k)

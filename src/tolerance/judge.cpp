@@ -99,7 +99,10 @@ Slopes circuit_slopes(const schematic::Netlist& netlist, const std::vector<Hertz
 }
 
 Slopes log_slopes(const Design& design, const std::vector<Hertz>& grid) {
-  if (design.board) return fpaa::DrawnBoard(*design.board, grid).sensitivities();
+  if (design.board) {
+    const fpaa::DrawnBoard board(*design.board, grid);
+    return board.sensitivities(board.nominal_units());
+  }
   return circuit_slopes(*design.netlist, grid);
 }
 

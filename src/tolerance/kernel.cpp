@@ -114,7 +114,7 @@ void Kernel::evaluate_one_by_one(std::uint64_t first, int count) {
   for (int lane = 0; lane < count; ++lane) {
     draw(first + static_cast<std::uint64_t>(lane));
     if (board_) {
-      board_->response(values_, drawn_);
+      drawn_ = board_->response(values_);
     } else {
       for (size_t i = 0; i < drawn_.size(); ++i) drawn_[i] = design_.response(options_.grid[i], values_);
     }

@@ -52,7 +52,7 @@ inline std::vector<StageSample> stage_samples() {
     add("GainHalf", "Inverting", {{"Cin", 15}, {"Cout", 10}}, {0.0}, phase);
     add("GainHalf", "Non-inverting", {{"Cin", 15}, {"Cout", 10}}, {late}, phase);
     add("GainHold", "Inverting", {{"Cin", 15}, {"Cout", 10}}, {phase == 1 ? 0.0 : 1.0}, phase);
-    // In phase 2 its output moves while it holds: GainHold's header says by how much.
+    // In phase 2 its output moves while it holds: its file says by how much.
     if (phase == 1) add("GainHold", "Non-inverting", {{"Cin", 15}, {"Cout", 10}}, {1.0}, phase);
     add("Hold", "", {}, {1.0}, phase);
   }

@@ -6,23 +6,19 @@
 namespace bodesmith::fpaa {
 namespace {
 
-CamFacts biquad_stage_facts() {
-  CamFacts f;
-  f.name = "BiquadStage";
-  f.options = {"Low Q", "Low Q, C1 non-inverting", "High Q", "High Q, C1 non-inverting"};
-  f.parameters = {{"natural_hz"}, {"quality"}};
-  f.resources = Resources{.opamps = 2, .capacitors = 8};
-  f.transfer = "see filter_stage.hpp";
-  f.transfer_ground = Ground::derived;
-  f.limits = "not in AnadigmDesigner2's menu: by stream only";
-  return f;
-}
-
 /// A stage of this program's own: the FilterBiquad's two integrators with all three inputs at once, so that any second-order numerator
 /// over any second-order denominator is one CAB. One bank each, 8 capacitors at most.
 class BiquadStage : public FilterCam {
  public:
-  BiquadStage() : FilterCam(biquad_stage_facts()) {}
+  BiquadStage()
+      : FilterCam(
+            CamFacts{.name = "BiquadStage",
+                     .options = {"Low Q", "Low Q, C1 non-inverting", "High Q", "High Q, C1 non-inverting"},
+                     .parameters = {{"natural_hz"}, {"quality"}},
+                     .resources = Resources{.opamps = 2, .capacitors = 8},
+                     .transfer = "see filter_stage.hpp",
+                     .transfer_ground = Ground::derived,
+                     .limits = "not in AnadigmDesigner2's menu: by stream only"}) {}
 
   std::string assumption() const override {
     return "BiquadStage is the vendor's biquad (switches of its band-pass form) with all three inputs, by charge "

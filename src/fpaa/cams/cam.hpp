@@ -1,7 +1,7 @@
 #pragma once
 
 #include <complex>
-#include <memory>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,7 +15,6 @@
 
 namespace bodesmith::fpaa {
 
-class CamStep;
 struct FilterStage;
 
 // A CAM goes through two types: what it is (Cam, one object each, in the registry) and what it is made of (PlacedCam:
@@ -39,16 +38,16 @@ struct CamParameter {
 /// What the library knows of one CAM apart from what it computes.
 struct CamFacts {
   std::string_view name;  ///< as AnadigmDesigner2 writes it
-  std::vector<std::string_view> options;
-  std::vector<CamParameter> parameters;
-  std::optional<Resources> resources;  ///< of the plainest option; absent: not publicly known
-  std::string_view transfer;           ///< in z, as text
+  std::vector<std::string_view> options = {};
+  std::vector<CamParameter> parameters = {};
+  std::optional<Resources> resources = {};  ///< of the plainest option; absent: not publicly known
+  std::string_view transfer = {};           ///< in z, as text
   Ground transfer_ground = Ground::unknown;
   double delay_cycles = 0.0;       ///< of its latest input
   bool half_cycle_output = false;  ///< valid only during one phase: needs a Hold before a bypass output
   bool takes_half_cycle_anywhere = false;  ///< may read a half-cycle output of another chip or clock
   int clock_b_ratio = 0;                   ///< ClockB = ratio * ClockA; 0: no ClockB
-  std::string_view limits;
+  std::string_view limits = {};
 };
 
 /// How the Zrna client places a CAM.
@@ -61,6 +60,10 @@ struct ZrnaModule {
   };
   std::vector<Attribute> attributes;  ///< in the order in which they are set
 };
+
+/// A CAM whose insides are not switched capacitors alone (a converter, a comparator) at work: the output, in volts, that an edge of its
+/// clock makes of the inputs (input 1 first), before any delay. All it remembers starts at 0. Logic is 0 or 1.
+using CamStep = std::function<double(std::span<const double> inputs)>;
 
 /// One CAM of the library. The defaults are those of a CAM that plans do not use.
 class Cam {
@@ -75,13 +78,13 @@ class Cam {
   /// Null for a key that is not one of its parameters.
   const CamParameter* parameter(std::string_view key) const;
   /// With so many inputs; nothing where it is not publicly known.
-  virtual std::optional<Resources> resources(std::size_t inputs) const;
+  virtual std::optional<Resources> resources(std::size_t) const { return facts_.resources; }
 
   // In a plan.
   /// What is not publicly known and is assumed when a plan uses it; empty: nothing.
   virtual std::string assumption() const { return {}; }
   /// What a person should know of this CAM in a plan; empty: nothing.
-  virtual std::string note(const PlacedCam& cam) const;
+  virtual std::string note(const PlacedCam&) const { return {}; }
 
   /// Makes `out` (whose clock is there) this CAM with the stage's capacitors; false where it makes other stages.
   virtual bool place(const FilterStage&, PlacedCam&) const { return false; }
@@ -90,23 +93,25 @@ class Cam {
   /// H of these capacitors, which need not be whole numbers, from every input over one denominator; `cam` says option and form.
   /// (`cam.z` as it stands, whatever the capacitors, where it is not known which of them makes what.)
   virtual std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& units) const;
-  /// A CAM of other parts than switched capacitors at work (cam_step.hpp); null for the others, which are their
-  /// switches.
-  virtual std::unique_ptr<CamStep> step(const PlacedCam& cam) const;
+  /// A CAM of other parts than switched capacitors at work; empty for the others, which are their switches.
+  virtual CamStep step(const PlacedCam&) const { return {}; }
   /// The capacitors as the vendor's component table of this CAM lists them.
-  virtual std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,
-                                                   std::span<const std::string> table) const;
+  virtual std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam, std::span<const std::string>) const {
+    return cam.capacitors;
+  }
   /// Its switched-capacitor circuit with these capacitors, for responses, primary streams and ngspice; nothing where that is not
   /// publicly known, or is not made of switched capacitors alone.
-  virtual std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits& units) const;
+  virtual std::optional<StageSwitches> switches(const PlacedCam&, const CapacitorUnits&) const {
+    return std::nullopt;
+  }
   /// The same with the capacitors that the plan says.
   std::optional<StageSwitches> switches(const PlacedCam& cam) const {
     return switches(cam, CapacitorUnits(cam.capacitors));
   }
   /// Nothing when the Zrna client has no such module.
-  virtual std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const;
+  virtual std::optional<ZrnaModule> zrna_module(const PlacedCam&) const { return std::nullopt; }
   /// One line for the board's picture.
-  virtual std::string picture_text(const PlacedCam& cam) const;
+  virtual std::string picture_text(const PlacedCam&) const { return {}; }
   /// Whether AnadigmDesigner2 can place this CAM with these capacitors; otherwise it is made by stream only.
   virtual bool in_vendor_menu(const PlacedCam&) const { return true; }
   /// Drawn and counted as a gain stage, not as a filter.
@@ -118,5 +123,13 @@ class Cam {
 
 /// Every CAM, in the order of AnadigmDesigner2's menu (cams/registry.cpp).
 Registry<Cam>& cam_registry();
+// Those that others place by name.
+const Cam& comparator_cam();
+const Cam& gain_hold_cam();
+const Cam& gain_switch_cam();
+const Cam& hold_cam();
+const Cam& multiplier_cam();
+const Cam& sum_diff_cam();
+const Cam& transfer_function_cam();
 
 }  // namespace bodesmith::fpaa

@@ -9,24 +9,21 @@ namespace {
 /// The value of "form" among the realised parameters.
 constexpr const char* kHighQ = "high Q";
 
-CamFacts filter_biquad_facts() {
-  CamFacts f;
-  f.name = "FilterBiquad";
-  f.options = {"Low Pass", "Band Pass", "High Pass", "Pole and Zero"};
-  f.parameters = {{"corner_hz", "Corner Frequency", true}, {"quality", "Quality Factor"}, {"gain", "Gain"}};
-  f.resources = Resources{.opamps = 2, .capacitors = 8};
-  f.transfer = "see filter_stage.hpp; Pole and Zero: not publicly known, not made";
-  f.transfer_ground = Ground::assumed;
-  f.limits = "CA and CB to 510 units, the others to 255";
-  return f;
-}
-
 /// The stage of two op-amps with one input: C1 (option Low Pass), Cp (Band Pass) or Cpp (High Pass). CA and CB are each split over two
 /// banks (up to 510 units). The low-pass form is derived from vendor code; band and high pass are the standard circuit that has the
 /// vendor's gains (assumed).
 class FilterBiquad : public FilterCam {
  public:
-  FilterBiquad() : FilterCam(filter_biquad_facts()) {}
+  FilterBiquad()
+      : FilterCam(CamFacts{.name = "FilterBiquad",
+                           .options = {"Low Pass", "Band Pass", "High Pass", "Pole and Zero"},
+                           .parameters = {{"corner_hz", "Corner Frequency", true},
+                                          {"quality", "Quality Factor"},
+                                          {"gain", "Gain"}},
+                           .resources = Resources{.opamps = 2, .capacitors = 8},
+                           .transfer = "see filter_stage.hpp; Pole and Zero: not publicly known, not made",
+                           .transfer_ground = Ground::assumed,
+                           .limits = "CA and CB to 510 units, the others to 255"}) {}
 
   /// CA and CB are two banks each.
   std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,

@@ -5,22 +5,17 @@ namespace {
 
 constexpr const char* kGainHalfNonInverting = "Non-inverting";
 
-CamFacts gain_half_facts() {
-  CamFacts f;
-  f.name = "GainHalf";
-  f.options = {"Inverting", kGainHalfNonInverting};
-  f.parameters = {{"gain"}};
-  f.resources = Resources{.opamps = 1, .capacitors = 2};
-  f.transfer = "-+Cin/Cout, output returns to ground in the other half cycle";
-  f.transfer_ground = Ground::derived;
-  f.half_cycle_output = true;
-  f.limits = "(1 + gain) fc <= 19.68 MHz; non-inverting: half a cycle late";
-  return f;
-}
-
 class GainHalfCam : public Cam {
  public:
-  GainHalfCam() : Cam(gain_half_facts()) {}
+  GainHalfCam()
+      : Cam(CamFacts{.name = "GainHalf",
+                     .options = {"Inverting", kGainHalfNonInverting},
+                     .parameters = {{"gain"}},
+                     .resources = Resources{.opamps = 1, .capacitors = 2},
+                     .transfer = "-+Cin/Cout, output returns to ground in the other half cycle",
+                     .transfer_ground = Ground::derived,
+                     .half_cycle_output = true,
+                     .limits = "(1 + gain) fc <= 19.68 MHz; non-inverting: half a cycle late"}) {}
 
   std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
     return {DeltaTransfer{{(cam.option == kGainHalfNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}}};

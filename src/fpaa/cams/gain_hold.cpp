@@ -1,5 +1,3 @@
-#include "fpaa/cams/gain_hold.hpp"
-
 #include <fmt/format.h>
 
 #include "base/text.hpp"
@@ -10,21 +8,20 @@ namespace {
 
 constexpr const char* kGainHoldNonInverting = "Non-inverting";
 
-CamFacts gain_hold_facts() {
-  CamFacts f;
-  f.name = "GainHold";
-  f.options = {"Inverting", kGainHoldNonInverting};
-  f.parameters = {{"gain"}};
-  f.resources = Resources{.opamps = 1, .capacitors = 3};
-  f.transfer = "-+Cin/Cout, output held for the whole period; non-inverting: half a cycle late";
-  f.transfer_ground = Ground::derived;
-  f.limits = "a third capacitor of 255 units holds";
-  return f;
-}
-
+/// Not inverting and in phase 2 it is not quite held: while the third capacitor holds (phase 1), Cin already follows the input, so that
+/// the output moves by -Cin/255 of the input's next step, until phase 2 sets it. (In phase 1 the same input is still there; where it
+/// inverts, Cin is at ground then.)
 class GainHoldCam : public Cam {
  public:
-  GainHoldCam() : Cam(gain_hold_facts()) {}
+  GainHoldCam()
+      : Cam(CamFacts{
+            .name = "GainHold",
+            .options = {"Inverting", kGainHoldNonInverting},
+            .parameters = {{"gain"}},
+            .resources = Resources{.opamps = 1, .capacitors = 3},
+            .transfer = "-+Cin/Cout, output held for the whole period; non-inverting: half a cycle late",
+            .transfer_ground = Ground::derived,
+            .limits = "a third capacitor of 255 units holds"}) {}
 
   std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
     return {DeltaTransfer{{(cam.option == kGainHoldNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}}};
@@ -38,7 +35,7 @@ class GainHoldCam : public Cam {
     s.capacitors = {in,
                     half_period_branch("Cout", c["Cout"], PlateNode::opamp()),
                     {"Chold",
-                     GainHold::kHoldUnits,
+                     kHoldUnits,
                      Plate::fixed(PlateNode::opamp()),
                      {PlateNode::ground(), PlateNode::virtual_ground()}}};
     return cam.phase == 2 ? s.mirrored() : s;

@@ -10,22 +10,17 @@ namespace {
 
 constexpr Resources kGainInvResources{.opamps = 1, .capacitors = 4};
 
-CamFacts gain_inv_facts() {
-  CamFacts f;
-  f.name = "GainInv";
-  f.parameters = {{"gain", "Gain"}};
-  f.resources = kGainInvResources;
-  f.transfer = "-Cin/Cout";
-  f.transfer_ground = Ground::derived;
-  f.limits = "output valid the full cycle";
-  return f;
-}
-
 /// CAM GainInv: H = -Cin/Cout, valid during the full cycle; four capacitors (the two that set the gain are
 /// named Cin and Cout), one op-amp.
 class GainInv : public Cam {
  public:
-  GainInv() : Cam(gain_inv_facts()) {}
+  GainInv()
+      : Cam(CamFacts{.name = "GainInv",
+                     .parameters = {{"gain", "Gain"}},
+                     .resources = kGainInvResources,
+                     .transfer = "-Cin/Cout",
+                     .transfer_ground = Ground::derived,
+                     .limits = "output valid the full cycle"}) {}
 
   std::string note(const PlacedCam&) const override {
     return "GainInv is there to keep the total sign (every FilterBilinear inverts) or to carry gain.";

@@ -3,18 +3,12 @@
 namespace bodesmith::fpaa {
 
 const Cam& gain_voltage_controlled_cam() {
-  static const Cam cam([] {
-    CamFacts f;
-    f.name = "GainVoltageControlled";
-    f.parameters = {{"max_gain"}};
-    f.transfer = "";
-    f.transfer_ground = Ground::unknown;
-    f.clock_b_ratio = 16;
-    f.limits =
-        "parameters only: its numbers are not publicly known; the program uses a Multiplier where it needs "
-        "one";
-    return f;
-  }());
+  static const Cam cam(CamFacts{
+      .name = "GainVoltageControlled",
+      .parameters = {{"max_gain"}},
+      .clock_b_ratio = 16,
+      .limits =
+          "parameters only: its numbers are not publicly known; the program uses a Multiplier where it needs one"});
   return cam;
 }
 

@@ -1,27 +1,18 @@
-#include "fpaa/cams/hold.hpp"
-
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr int kHoldUnits = 255;
-
-CamFacts hold_facts() {
-  CamFacts f;
-  f.name = "Hold";
-  f.resources = Resources{.opamps = 1, .capacitors = 2};
-  f.transfer = "1/z";
-  f.transfer_ground = Ground::seen;
-  f.delay_cycles = 1.0;
-  f.takes_half_cycle_anywhere = true;
-  f.limits = "two in series need opposite phases";
-  return f;
-}
-
 class HoldCam : public Cam {
  public:
-  HoldCam() : Cam(hold_facts()) {}
+  HoldCam()
+      : Cam(CamFacts{.name = "Hold",
+                     .resources = Resources{.opamps = 1, .capacitors = 2},
+                     .transfer = "1/z",
+                     .transfer_ground = Ground::seen,
+                     .delay_cycles = 1.0,
+                     .takes_half_cycle_anywhere = true,
+                     .limits = "two in series need opposite phases"}) {}
 
   /// It samples in the phase that is stated; the output is new in the other one.
   std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits&) const override {

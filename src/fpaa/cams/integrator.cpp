@@ -5,22 +5,18 @@ namespace {
 
 constexpr const char* kNonInverting = "Non-inverting";
 
-CamFacts integrator_facts() {
-  CamFacts f;
-  f.name = "Integrator";
-  f.options = {"Inverting", kNonInverting};
-  f.parameters = {{"integration_constant_per_s"}};
-  f.resources = Resources{.opamps = 1, .capacitors = 2};
-  f.transfer =
-      "inverting -(Cin/Cint)/(1 - 1/z), non-inverting (Cin/Cint) z^-1/(1 - 1/z); constant fc Cin/Cint";
-  f.transfer_ground = Ground::derived;
-  f.limits = "constant fc/255 to 255 fc";
-  return f;
-}
-
 class IntegratorCam : public Cam {
  public:
-  IntegratorCam() : Cam(integrator_facts()) {}
+  IntegratorCam()
+      : Cam(CamFacts{
+            .name = "Integrator",
+            .options = {"Inverting", kNonInverting},
+            .parameters = {{"integration_constant_per_s"}},
+            .resources = Resources{.opamps = 1, .capacitors = 2},
+            .transfer =
+                "inverting -(Cin/Cint)/(1 - 1/z), non-inverting (Cin/Cint) z^-1/(1 - 1/z); constant fc Cin/Cint",
+            .transfer_ground = Ground::derived,
+            .limits = "constant fc/255 to 255 fc"}) {}
 
   std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
     if (cam.option == kNonInverting) return {DeltaTransfer{{c["Cin"], -c["Cin"]}, {0.0, c["Cint"]}}};

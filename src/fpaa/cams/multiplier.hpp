@@ -4,8 +4,6 @@
 
 namespace bodesmith::fpaa {
 
-class Cam;
-
 /// CAM Multiplier: Vout = scale X Y, one ClockA cycle late; Y goes through an 8-bit converter (SAR) over +-3
 /// V, which runs on ClockB = 16 ClockA. Four capacitors, one op-amp, one comparator; with sample and hold six
 /// and two.
@@ -20,7 +18,5 @@ struct Multiplier {
   static double quantised(double y_v);
   double output(double x_v, double y_v) const { return scale_per_v * x_v * quantised(y_v); }
 };
-
-const Cam& multiplier_cam();
 
 }  // namespace bodesmith::fpaa

@@ -1,5 +1,3 @@
-#include "fpaa/cams/sum_diff.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,25 +11,21 @@ namespace bodesmith::fpaa {
 
 namespace {
 
-CamFacts sum_diff_facts() {
-  CamFacts f;
-  f.name = "SumDiff";
-  f.options = {"2 inputs", "3 inputs", "4 inputs"};
-  f.parameters = {{"gain_1"}, {"gain_2"}, {"gain_3"}, {"gain_4"}};
-  f.resources = Resources{.opamps = 1, .capacitors = 3};
-  f.transfer =
-      "sum of +-Ci/Cout Vi; inverting inputs without delay, the others z^-1/2; output valid for half a "
-      "cycle";
-  f.transfer_ground = Ground::seen;
-  f.delay_cycles = 0.5;  // of an input that does not invert
-  f.half_cycle_output = true;
-  f.limits = "one capacitor more for each further input";
-  return f;
-}
-
 class SumDiffCam : public Cam {
  public:
-  SumDiffCam() : Cam(sum_diff_facts()) {}
+  SumDiffCam()
+      : Cam(CamFacts{
+            .name = "SumDiff",
+            .options = {"2 inputs", "3 inputs", "4 inputs"},
+            .parameters = {{"gain_1"}, {"gain_2"}, {"gain_3"}, {"gain_4"}},
+            .resources = Resources{.opamps = 1, .capacitors = 3},
+            .transfer =
+                "sum of +-Ci/Cout Vi; inverting inputs without delay, the others z^-1/2; output valid for half a "
+                "cycle",
+            .transfer_ground = Ground::seen,
+            .delay_cycles = 0.5,  // of an input that does not invert
+            .half_cycle_output = true,
+            .limits = "one capacitor more for each further input"}) {}
 
   /// One capacitor an input and Cout.
   std::optional<Resources> resources(std::size_t inputs) const override {
@@ -77,10 +71,6 @@ class SumDiffCam : public Cam {
 };
 
 }  // namespace
-
-std::string SumDiffSpec::option() const {
-  return fmt::format("{} inputs", gains.size());
-}
 
 BODESMITH_ENTRY(Cam, sum_diff_cam, SumDiffCam)
 

@@ -3,22 +3,17 @@
 namespace bodesmith::fpaa {
 namespace {
 
-CamFacts sum_filter_facts() {
-  CamFacts f;
-  f.name = "SumFilter";
-  f.parameters = {{"corner_hz"}, {"gain_1"}, {"gain_2"}};
-  f.resources = Resources{.opamps = 1, .capacitors = 4};
-  f.transfer = "-(C1 V1 + C2 V2)/(Cout + Cint(1 - 1/z))";
-  f.transfer_ground = Ground::assumed;
-  f.limits = "corner as the FilterBilinear low pass";
-  return f;
-}
-
 /// CAM SumFilter, assumed to be the FilterBilinear low pass with two input branches:
 ///   Vout = -(C1 V1 + C2 V2)/(Cout + Cint (1 - 1/z)). Four capacitors, one op-amp.
 class SumFilterCam : public Cam {
  public:
-  SumFilterCam() : Cam(sum_filter_facts()) {}
+  SumFilterCam()
+      : Cam(CamFacts{.name = "SumFilter",
+                     .parameters = {{"corner_hz"}, {"gain_1"}, {"gain_2"}},
+                     .resources = Resources{.opamps = 1, .capacitors = 4},
+                     .transfer = "-(C1 V1 + C2 V2)/(Cout + Cint(1 - 1/z))",
+                     .transfer_ground = Ground::assumed,
+                     .limits = "corner as the FilterBilinear low pass"}) {}
 
   std::vector<DeltaTransfer> transfers(const PlacedCam&, const CapacitorUnits& c) const override {
     const std::vector<double> denominator{c["Cout"], c["Cint"]};

@@ -6,24 +6,24 @@
 namespace bodesmith::fpaa {
 namespace {
 
-CamFacts sum_inv_facts() {
-  CamFacts f;
-  f.name = "SumInv";
-  f.options = {"2 inputs", "3 inputs"};
-  f.parameters = {{"gain_1", "Gain 1"}, {"gain_2", "Gain 2"}, {"gain_3", "Gain 3"},
-                  {"gain_4", "Gain 4"}, {"gain_5", "Gain 5"}, {"gain_6", "Gain 6"}};
-  f.resources = Resources{.opamps = 1, .capacitors = 6};
-  f.transfer = "sum of -(Cin_i + aCin_i(1 - 1/z))/(Cout + aCout(1 - 1/z)) V_i";
-  f.transfer_ground = Ground::derived;
-  f.limits = "two capacitors an input and two more; one less for an input without aCin";
-  return f;
-}
-
 /// The whole-period sum of 1 to 6 inputs, one op-amp. aCin_i = Cin_i and aCout = Cout is the plain gain that AnadigmDesigner2 makes;
 /// without aCin an input is a fast low pass (corner about fc Cout/aCout), with more of it the input leads.
 class SumInv : public FilterCam {
  public:
-  SumInv() : FilterCam(sum_inv_facts()) {}
+  SumInv()
+      : FilterCam(
+            CamFacts{.name = "SumInv",
+                     .options = {"2 inputs", "3 inputs"},
+                     .parameters = {{"gain_1", "Gain 1"},
+                                    {"gain_2", "Gain 2"},
+                                    {"gain_3", "Gain 3"},
+                                    {"gain_4", "Gain 4"},
+                                    {"gain_5", "Gain 5"},
+                                    {"gain_6", "Gain 6"}},
+                     .resources = Resources{.opamps = 1, .capacitors = 6},
+                     .transfer = "sum of -(Cin_i + aCin_i(1 - 1/z))/(Cout + aCout(1 - 1/z)) V_i",
+                     .transfer_ground = Ground::derived,
+                     .limits = "two capacitors an input and two more; one less for an input without aCin"}) {}
 
   /// As AnadigmDesigner2 makes it: two capacitors an input, two of feedback.
   std::optional<Resources> resources(std::size_t inputs) const override {

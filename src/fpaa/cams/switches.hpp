@@ -44,6 +44,9 @@ struct StageCapacitor {
   Plate far;           ///< the plate at an op-amp's inverting input
 };
 
+/// Units of a capacitor that only holds.
+inline constexpr int kHoldUnits = 255;
+
 struct StageOpAmp {
   int reset_phase =
       0;  ///< its feedback switch is closed in this phase (its output 0 there); 0: there is none

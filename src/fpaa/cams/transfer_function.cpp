@@ -10,7 +10,6 @@
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/cams/cam_step.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::fpaa {
@@ -55,34 +54,24 @@ namespace {
 
 constexpr const char* kTableKey = "table_hex";
 
-CamFacts transfer_function_facts() {
-  CamFacts f;
-  f.name = "TransferFunction";
-  f.parameters = {{"table_v"}};
-  f.resources = Resources{.opamps = 1, .capacitors = 5, .comparators = 1, .sars = 1, .lookup_tables = 1};
-  f.transfer = "2 V (LUT[input] - 128)/Cout, 256 entries over -3 to +3 V, one cycle late";
-  f.transfer_ground = Ground::seen;
-  f.delay_cycles = 1.0;
-  f.clock_b_ratio = 16;
-  f.limits = "one look-up table a chip";
-  return f;
-}
-
-class TransferFunctionStep final : public CamStep {
- public:
-  explicit TransferFunctionStep(const LookupTable& table) : table_(table) {}
-  double at_edge(std::span<const double> inputs) override { return table_.output(inputs[0]); }
-
- private:
-  LookupTable table_;
-};
-
 class TransferFunctionCam : public Cam {
  public:
-  TransferFunctionCam() : Cam(transfer_function_facts()) {}
+  TransferFunctionCam()
+      : Cam(CamFacts{
+            .name = "TransferFunction",
+            .parameters = {{"table_v"}},
+            .resources =
+                Resources{.opamps = 1, .capacitors = 5, .comparators = 1, .sars = 1, .lookup_tables = 1},
+            .transfer = "2 V (LUT[input] - 128)/Cout, 256 entries over -3 to +3 V, one cycle late",
+            .transfer_ground = Ground::seen,
+            .delay_cycles = 1.0,
+            .clock_b_ratio = 16,
+            .limits = "one look-up table a chip"}) {}
 
-  std::unique_ptr<CamStep> step(const PlacedCam& cam) const override {
-    return std::make_unique<TransferFunctionStep>(LookupTable::from(cam.requested));
+  CamStep step(const PlacedCam& cam) const override {
+    return [table = LookupTable::from(cam.requested)](std::span<const double> inputs) {
+      return table.output(inputs[0]);
+    };
   }
   std::string picture_text(const PlacedCam&) const override { return "256 bytes of look-up"; }
 };

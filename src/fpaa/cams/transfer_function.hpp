@@ -10,8 +10,6 @@
 
 namespace bodesmith::fpaa {
 
-class Cam;
-
 /// CAM TransferFunction: the input is converted to 8 bits over -3 ... +3 V, a byte of the chip's look-up
 /// table sets the output, Vout = 2 V (LUT - 128)/Cout, Cout = round(254/max |V|)
 /// (an_setTransferFunctionTable). One cycle late; ClockB = 16 ClockA; one look-up table a chip.
@@ -34,7 +32,5 @@ struct LookupTable {
   /// `entry,input_v,wanted_v,output_v,byte`: the file to load in the CAM's dialog, 256 rows.
   std::string csv(const std::function<double(double)>& wanted) const;
 };
-
-const Cam& transfer_function_cam();
 
 }  // namespace bodesmith::fpaa

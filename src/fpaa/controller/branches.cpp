@@ -6,10 +6,7 @@
 #include <cmath>
 
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/cams/gain_hold.hpp"
-#include "fpaa/cams/hold.hpp"
 #include "fpaa/cams/multiplier.hpp"
-#include "fpaa/cams/sum_diff.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/controller/weights.hpp"
 
@@ -151,7 +148,6 @@ ControllerCam ControllerBranches::cam(const std::string& name, const Cam& cam,
   // phase.
   if (&cam == &hold_cam()) out.delay_cycles = 0.5;
   if (&cam == &sum_diff_cam()) out.delay_cycles = 0.0;  // its late inputs say so themselves
-  out.half_cycle = cam.facts().half_cycle_output;
   // A CAM whose resources are not publicly known gets a CAB of its own.
   const Resources whole_cab{board_.per_cab.opamps, board_.per_cab.capacitors, 1, 0, 0};
   out.resources = cam.resources(inputs.size()).value_or(whole_cab);

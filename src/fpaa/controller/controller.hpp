@@ -51,12 +51,9 @@ struct VoltScale {
 };
 
 /// One CAM of the controller, placed: what a plan says of it, and what it reads.
-struct ControllerCam : PlacedCam {
-  std::vector<std::string> inputs;  ///< names of CAMs, or of what comes from outside ("r", "x2", …)
-  std::vector<bool> late;   ///< inputs read half a cycle before the edge (SumDiff's that do not invert)
-  bool half_cycle = false;  ///< output valid during one phase only
-  int chip = 1;
-  int group = 0;  ///< CAMs of a group stay on one chip where they can
+struct ControllerCam : WiredCam {
+  std::vector<bool> late;  ///< inputs read half a cycle before the edge (SumDiff's that do not invert)
+  int group = 0;           ///< CAMs of a group stay on one chip where they can
   /// Wanted gain of each input where the rate gain is 1 (negative: inverting), and how errors of them count:
   /// mean products of the inputs over the stroke, row by row. Empty: nothing is weighed here.
   std::vector<double> weights;

@@ -2,10 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/cams/cam_step.hpp"
 #include "fpaa/controller/branches.hpp"
 
 namespace bodesmith::fpaa {
@@ -29,9 +27,9 @@ class RestingBranches {
     const ControllerCam& cam = *variant_.find(name);
     std::vector<double> inputs;
     for (const std::string& input : cam.inputs) inputs.push_back(value(input, argument_v));
-    auto& step = steps_[name];
-    if (step == nullptr) step = cam.cam->step(cam);
-    if (step != nullptr) return step->at_edge(inputs);
+    const auto [step, fresh] = steps_.try_emplace(name);
+    if (fresh) step->second = cam.cam->step(cam);
+    if (step->second) return step->second(inputs);
     double sum = 0.0;
     for (std::size_t i = 0; i < inputs.size(); ++i) sum += cam.z_from(i + 1).dc_gain() * inputs[i];
     return sum;
@@ -40,7 +38,7 @@ class RestingBranches {
  private:
   const ControllerVariant& variant_;
   std::string argument_;
-  std::map<std::string, std::unique_ptr<CamStep>> steps_;
+  std::map<std::string, CamStep> steps_;
 };
 
 /// The last CAM of a branch before any compensator: of the pass that makes the drive.

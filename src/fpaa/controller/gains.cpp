@@ -8,7 +8,6 @@
 #include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
-#include "base/whole_number.hpp"
 #include "fpaa/controller/io.hpp"
 #include "fpaa/controller/scale.hpp"
 #include "fpaa/device/memory_image.hpp"
@@ -72,37 +71,11 @@ std::string power_on_text(const ControllerVariant& variant, const Disturbance& d
 
 }  // namespace
 
-std::vector<Hertz> gain_set_frequencies(const Disturbance& d, double step_percent) {
-  const Disturbance::RateGains& rate = d.rate;
-  std::vector<Hertz> out;
-  for (std::size_t i = 0; i < rate.frequency.size(); ++i) {
-    out.push_back(rate.frequency[i]);
-    if (i + 1 == rate.frequency.size()) break;
-    double largest = 0.0;
-    for (const auto* gains : {&rate.ascending, &rate.descending}) {
-      const double smaller = std::max(1e-9, std::min(std::abs((*gains)[i]), std::abs((*gains)[i + 1])));
-      largest = std::max(largest, std::abs((*gains)[i + 1] - (*gains)[i]) / smaller);
-    }
-    const int steps = std::clamp(whole_number<int>(std::ceil(100.0 * largest / step_percent)), 1, 200);
-    const double ratio = rate.frequency[i + 1].value / rate.frequency[i].value;
-    for (int k = 1; k < steps; ++k) {
-      out.push_back({rate.frequency[i].value * std::pow(ratio, k / static_cast<double>(steps))});
-    }
-  }
-  return out;
-}
-
 Hertz serving_frequency(const std::vector<Hertz>& sets, Hertz operating) {
-  Hertz out = operating;
-  double nearest = INFINITY;
-  for (const Hertz f : sets) {
-    const double distance = std::abs(std::log(f.value / operating.value));
-    if (distance < nearest) {
-      nearest = distance;
-      out = f;
-    }
-  }
-  return out;
+  const auto distance = [&](Hertz f) { return std::abs(std::log(f.value / operating.value)); };
+  const auto at =
+      std::min_element(sets.begin(), sets.end(), [&](Hertz a, Hertz b) { return distance(a) < distance(b); });
+  return at == sets.end() ? operating : *at;
 }
 
 std::string gain_sets_csv(const ControllerVariant& variant, const Disturbance& disturbance) {

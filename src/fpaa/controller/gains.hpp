@@ -8,18 +8,10 @@
 #include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
 #include "fpaa/controller/controller.hpp"
-#include "fpaa/device/config_stream.hpp"
+#include "fpaa/gains/gain_schedule.hpp"
 
 namespace bodesmith::fpaa {
 
-/// Largest step of a rate gain from one capacitor set to the next, of the gain.
-inline constexpr double kGainStepPercent = 0.5;
-
-/// Frequencies for which a host has a set of capacitors: those of the rate table, with as many between
-/// neighbours as keep each gain's step within `step_percent` (gains are straight lines in log f). Empty
-/// without a table.
-std::vector<Hertz> gain_set_frequencies(const Disturbance& disturbance,
-                                        double step_percent = kGainStepPercent);
 /// The set that serves a frequency: the nearest in log f; the frequency itself when there are no sets.
 Hertz serving_frequency(const std::vector<Hertz>& sets, Hertz operating);
 

@@ -27,17 +27,8 @@ Json cam_json(const ControllerCam& cam) {
 }
 
 const char* kind_text(OutsidePart::Kind kind) {
-  switch (kind) {
-    case OutsidePart::Kind::reference:
-      return "reference";
-    case OutsidePart::Kind::constant:
-      return "constant";
-    case OutsidePart::Kind::multiplier:
-      return "AD835";
-    case OutsidePart::Kind::switched:
-      break;
-  }
-  return "switch";
+  static constexpr const char* kNames[] = {"reference", "constant", "AD835", "switch"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 Json outside_json(const OutsidePart& part) {

@@ -10,19 +10,13 @@
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/cams/comparator.hpp"
 #include "fpaa/cams/filter_stage.hpp"
-#include "fpaa/cams/gain_hold.hpp"
-#include "fpaa/cams/gain_switch.hpp"
-#include "fpaa/cams/hold.hpp"
-#include "fpaa/cams/multiplier.hpp"
-#include "fpaa/cams/sum_diff.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/controller/branches.hpp"
 #include "fpaa/controller/io.hpp"
-#include "fpaa/controller/placement.hpp"
 #include "fpaa/controller/scale.hpp"
 #include "fpaa/controller/weights.hpp"
+#include "fpaa/plan/assembly.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 #include "fpaa/streams/lookup_stage.hpp"
 
@@ -41,15 +35,8 @@ constexpr int kSlopeGain = 15;
 
 /// Clock cycles that a way of making the powers takes.
 double polynomial_cycles(PolynomialBy by) {
-  switch (by) {
-    case PolynomialBy::outside:
-      return 0.0;
-    case PolynomialBy::multipliers:
-      return 2.0;
-    case PolynomialBy::lookup:
-      break;
-  }
-  return 1.0;
+  static constexpr double kCycles[] = {0.0, 2.0, 1.0};  // outside, multipliers, lookup
+  return kCycles[static_cast<std::size_t>(by)];
 }
 
 /// The CAMs of one variant, in signal order.
@@ -86,13 +73,9 @@ class ControllerLayout {
   /// new.
   std::optional<Refusal> place() {
     do {
-      std::vector<Resources> needs;
-      std::vector<int> groups;
-      for (const ControllerCam& cam : out_.cams) {
-        needs.push_back(cam.resources);
-        groups.push_back(cam.group);
-      }
-      const Outcome<std::vector<Place>> placed = place_groups(needs, groups, board_);
+      std::vector<PlaceNeed> needs;
+      for (const ControllerCam& cam : out_.cams) needs.push_back({cam.resources, cam.group});
+      const Outcome<std::vector<Place>> placed = fpaa::place(needs, board_);
       if (const Refusal* refusal = refusal_of(placed)) return *refusal;
       const std::vector<Place>& places = std::get<std::vector<Place>>(placed);
       for (std::size_t i = 0; i < out_.cams.size(); ++i) {
@@ -211,13 +194,12 @@ class ControllerLayout {
       out_.outside.push_back({OutsidePart::Kind::switched, chosen, {last[0], last[1]}, 0.0});
     } else {
       const std::string slope = prefix + "Slope";
-      add(slope, comparator_cam(), ComparatorSpec::kSignalGround, {"SlopeGain"},
-          ComparatorSpec{.hysteresis_v = 0.01}.values());
-      add(chosen, gain_switch_cam(), GainSwitchSpec::kDualInput, {last[0], last[1], slope},
-          GainSwitchSpec{}.values());
+      add(slope, comparator_cam(), "Signal Ground", {"SlopeGain"}, {{"hysteresis_v", 0.01}});
+      add(chosen, gain_switch_cam(), "Dual Input", {last[0], last[1], slope},
+          {{"gain_1", 1.0}, {"gain_2", 1.0}});
     }
     const std::string name = prefix + "Output";
-    ControllerCam& sum = add(name, sum_diff_cam(), SumDiffSpec{{1.0, -1.0}}.option(), {reference, chosen});
+    ControllerCam& sum = add(name, sum_diff_cam(), "2 inputs", {reference, chosen});
     sum.weights = {reference == "r" ? 1.0 : -1.0, -branches_.output_weight()};
     set_weights_first_exact(sum, board_.max_capacitor);
     // A half-cycle CAM needs it before a bypass output; it is the one hold of the loop.
@@ -245,7 +227,6 @@ class ControllerLayout {
               fmt::format("{} of the compensator has an input that nothing is wired to", node.name)};
         filter.inputs[in.number - 1] = name_of(in.from);
       }
-      filter.half_cycle = node.cam->cam->facts().half_cycle_output;
       filter.group = ++group_;
       out_.cams.push_back(std::move(filter));
     }
@@ -258,7 +239,7 @@ class ControllerLayout {
   /// Whether a half-cycle output goes to a CAM of another chip or clock that cannot take it, or off the
   /// board.
   bool leaves_unheld(const ControllerCam& source) const {
-    if (!source.half_cycle) return false;
+    if (!source.cam->facts().half_cycle_output) return false;
     const auto reads = [&](const std::vector<std::string>& inputs) {
       return std::find(inputs.begin(), inputs.end(), source.name) != inputs.end();
     };
@@ -373,11 +354,7 @@ ControllerVariant laid_out(PolynomialBy by, ControllerStructure structure, const
   ControllerLayout layout(out, disturbance, ascending, descending, options);
   out.refusal = layout.collect();
   if (out.fits()) out.refusal = layout.place();
-  if (out.fits()) {
-    out.io_cells = controller_io_cells(out);
-    out.refusal = check_controller_io(out);
-  }
-  if (out.fits()) out.refusal = check_controller_clocks(out);
+  if (out.fits()) out.refusal = check_controller_io(out);
   for (const ControllerCam& cam : out.cams) {
     out.resources += cam.resources;
     out.chips = std::max(out.chips, cam.chip);

@@ -90,43 +90,19 @@ std::vector<std::string> controller_assumptions(const ControllerOptions& options
 }  // namespace
 
 const char* to_string(PolynomialBy by) {
-  switch (by) {
-    case PolynomialBy::outside:
-      return "outside";
-    case PolynomialBy::multipliers:
-      return "multipliers";
-    case PolynomialBy::lookup:
-      break;
-  }
-  return "lookup";
+  static constexpr const char* kNames[] = {"outside", "multipliers", "lookup"};
+  return kNames[static_cast<std::size_t>(by)];
 }
 
 const char* to_string(ControllerStructure structure) {
-  switch (structure) {
-    case ControllerStructure::loop:
-      return "loop";
-    case ControllerStructure::two_pass:
-      return "two-pass";
-    case ControllerStructure::delayed:
-      return "delayed";
-    case ControllerStructure::open:
-      break;
-  }
-  return "open";
+  static constexpr const char* kNames[] = {"loop", "two-pass", "delayed", "open"};
+  return kNames[static_cast<std::size_t>(structure)];
 }
 
 const char* equation(ControllerStructure structure) {
-  switch (structure) {
-    case ControllerStructure::loop:
-      return "v = r - K d(v)";
-    case ControllerStructure::two_pass:
-      return "v = r - K d(r - K d(r)), reference delayed";
-    case ControllerStructure::delayed:
-      return "v = r - K d(r), reference delayed";
-    case ControllerStructure::open:
-      break;
-  }
-  return "v = r - K d(r)";
+  static constexpr const char* kNames[] = {"v = r - K d(v)", "v = r - K d(r - K d(r)), reference delayed",
+                                           "v = r - K d(r), reference delayed", "v = r - K d(r)"};
+  return kNames[static_cast<std::size_t>(structure)];
 }
 
 std::string ControllerVariant::name() const {

@@ -63,12 +63,11 @@ BoardRun::Part simulated_part(const OutsidePart& part, const VoltScale& scale,
 
 ControllerRun::ControllerRun(const ControllerVariant& variant, const ControllerReference& reference)
     : settling_s_(settling_time(variant)), scale_(variant.scale), drive_(variant.drive) {
-  std::vector<BoardRun::Cell> cells;
-  for (const ControllerCam& cam : variant.cams) cells.push_back({cam, cam.inputs, cam.late});
+  const std::vector<WiredCam> cams(variant.cams.begin(), variant.cams.end());
   std::vector<BoardRun::Part> parts;
   for (const OutsidePart& part : variant.outside)
     parts.push_back(simulated_part(part, scale_, reference, settling_s_));
-  simulation_ = std::make_unique<BoardRun>(cells, std::move(parts), board_by_name(variant.board));
+  simulation_ = std::make_unique<BoardRun>(cams, std::move(parts), board_by_name(variant.board));
   simulation_->advance_to(settling_s_);
   simulation_->forget_clipping();
 }

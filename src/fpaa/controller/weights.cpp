@@ -7,7 +7,6 @@
 
 #include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/cams/gain_hold.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -92,7 +91,7 @@ void take_units(ControllerCam& cam, const std::vector<double>& gains, const Weig
     if (!single) cam.late[i] = gains[i] > 0.0;
   }
   cam.capacitors.push_back({"Cout", units.out});
-  if (single) cam.capacitors.push_back({"Chold", GainHold::kHoldUnits});
+  if (single) cam.capacitors.push_back({"Chold", kHoldUnits});
 }
 
 }  // namespace

@@ -25,24 +25,10 @@ std::string CircuitNode::text() const {
 }
 
 std::string_view to_string(IoCell::Mode mode) {
-  using Mode = IoCell::Mode;
-  switch (mode) {
-    case Mode::off:
-      return "off";
-    case Mode::input:
-      return "input, bypass";
-    case Mode::amplifier_input:
-      return "input, amplifier";
-    case Mode::output:
-      return "output, bypass";
-    case Mode::sampled_output:
-      return "output, sampled";
-    case Mode::unconnected:
-      return "not connected";
-    case Mode::unknown:
-      break;
-  }
-  return "unknown";
+  static constexpr const char* kNames[] = {
+      "off",           "input, bypass", "input, amplifier", "output, bypass", "output, sampled",
+      "not connected", "unknown"};
+  return kNames[static_cast<std::size_t>(mode)];
 }
 
 }  // namespace bodesmith::fpaa::an231

@@ -20,10 +20,12 @@ struct ChipClock {
   friend bool operator==(const ChipClock&, const ChipClock&) = default;
 };
 
+inline constexpr std::size_t kClocksOfChip = 6;
+
 struct ClockPlan {
   int sys1_divisor = 1;
   int sys2_divisor = 1;
-  std::vector<ChipClock> clocks;  ///< Clock 0, 1, ... in use (at most 6; filters use 0-3)
+  std::vector<ChipClock> clocks;  ///< Clock 0, 1, ... in use (filters use 0-3)
 
   Hertz frequency(const Board& board, std::size_t clock) const;
 };

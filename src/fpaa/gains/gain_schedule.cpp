@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
+#include "fpaa/controller/scale.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -34,30 +35,6 @@ GainCapacitors nearest_ratio(double gain, int fixed_under) {
     }
   }
   return best;
-}
-
-/// Table frequencies and those between.
-std::vector<Hertz> schedule_frequencies(const Disturbance& d, const std::vector<GainBranch>& branches,
-                                        double step) {
-  std::vector<Hertz> out;
-  for (std::size_t i = 0; i < d.rate.frequency.size(); ++i) {
-    const Hertz here = d.rate.frequency[i];
-    out.push_back(here);
-    if (i + 1 == d.rate.frequency.size()) break;
-    const Hertz next = d.rate.frequency[i + 1];
-    double parts = 1.0;
-    for (const GainBranch& b : branches) {
-      const double a = d.rate_gain(b.branch, here), z = d.rate_gain(b.branch, next);
-      parts =
-          std::max(parts, std::ceil(std::abs(z - a) / (step * std::min(std::abs(a), std::abs(z))) - 1e-9));
-    }
-    if (!(parts <= static_cast<double>(kMaxSets))) parts = static_cast<double>(kMaxSets) + 1.0;
-    for (int k = 1; k < static_cast<int>(parts); ++k) {
-      out.push_back(Hertz{here.value * std::pow(next.value / here.value, k / parts)});
-    }
-    if (out.size() > kMaxSets) break;
-  }
-  return out;
 }
 
 void set_ranges(std::vector<GainSet>& sets) {
@@ -88,12 +65,6 @@ void check_places(const std::vector<GainBranch>& branches) {
   }
 }
 
-double greatest_disturbance(const Disturbance& d, Disturbance::Branch branch) {
-  double out = 0.0;
-  for (int i = 0; i <= 200; ++i) out = std::max(out, std::abs(d.value(branch, i / 200.0)));
-  return out;
-}
-
 /// Errors at every set and half-way to its neighbours, where the steps are worst.
 void state_errors(GainSchedule& out, const Disturbance& d) {
   for (const GainSet& set : out.sets) {
@@ -107,8 +78,8 @@ void state_errors(GainSchedule& out, const Disturbance& d) {
         const double gain = d.rate_gain(branch.branch, f.value > 0.0 ? f : set.frequency);
         const double error = 100.0 * std::abs(made - gain);
         out.max_gain_error_percent = std::max(out.max_gain_error_percent, error / std::abs(gain));
-        out.max_tracking_error_percent =
-            std::max(out.max_tracking_error_percent, error * greatest_disturbance(d, branch.branch));
+        out.max_tracking_error_percent = std::max(
+            out.max_tracking_error_percent, error * greatest_disturbance(d, branch.branch, DriveRange{}));
       }
     }
   }
@@ -166,6 +137,25 @@ GainSet make_set(Hertz frequency, const Disturbance& d, const std::vector<GainBr
 
 }  // namespace
 
+std::vector<Hertz> gain_set_frequencies(const Disturbance& d, double step_percent, int most) {
+  const std::vector<Hertz>& table = d.rate.frequency;
+  std::vector<Hertz> out;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    out.push_back(table[i]);
+    if (i + 1 == table.size()) break;
+    double largest = 0.0;
+    for (const Disturbance::Branch branch : kBranches) {
+      const double a = d.rate.of(branch)[i], z = d.rate.of(branch)[i + 1];
+      largest = std::max(largest, std::abs(z - a) / std::max(1e-9, std::min(std::abs(a), std::abs(z))));
+    }
+    const int parts = whole_number<int>(std::ceil(100.0 * largest / step_percent - 1e-9), 1, most);
+    for (int k = 1; k < parts; ++k)
+      out.push_back(
+          {table[i].value * std::pow(table[i + 1].value / table[i].value, k / static_cast<double>(parts))});
+  }
+  return out;
+}
+
 GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vector<GainBranch>& branches,
                                 const GainScheduleOptions& options, const std::string& file) {
   using enum Disturbance::Branch;
@@ -192,7 +182,7 @@ GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vecto
   out.options = options;
   for (const Hertz f : disturbance.rate.frequency) make_set(f, disturbance, branches, file);  // within reach?
   const std::vector<Hertz> frequencies =
-      schedule_frequencies(disturbance, branches, options.step_percent / 100.0);
+      gain_set_frequencies(disturbance, options.step_percent, static_cast<int>(kMaxSets) + 1);
   if (frequencies.size() > kMaxSets) {
     throw DesignError(fmt::format("{}: steps of {} % need more than {} sets, expected a larger step", file,
                                   rounded_text(options.step_percent), kMaxSets));

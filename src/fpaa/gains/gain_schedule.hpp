@@ -72,8 +72,14 @@ struct GainSchedule {
   std::string csv() const;
 };
 
-/// Frequencies of the rate table, with as many between neighbours as keep each gain's step within the limit
-/// (gains are straight lines in log f, as Disturbance::rate_gain has them). Capacitors: the ratio of 1 to 255
+/// Largest step of a rate gain from one capacitor set of the controller to the next, of the gain.
+inline constexpr double kGainStepPercent = 0.5;
+/// Frequencies for which a host has a set of capacitors: those of the rate table, with as many (`most` parts) between neighbours as keep
+/// each gain's step within `step_percent` (gains are straight lines in log f, as Disturbance::rate_gain has them). Empty without a table.
+std::vector<Hertz> gain_set_frequencies(const Disturbance& disturbance,
+                                        double step_percent = kGainStepPercent, int most = 200);
+
+/// A set at each of these frequencies. Capacitors: the ratio of 1 to 255
 /// units nearest the gain; among equals the largest, whose mismatch is the least. Throws DesignError when there
 /// is nothing to schedule, a gain is out of reach, or two branches want one capacitor.
 GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vector<GainBranch>& branches,

@@ -212,12 +212,7 @@ bool PeriodicNetworks::lay_pieces(Node& node) const {
     if (source.kind == Source::Kind::network)
       count(nodes_[source.network].period, instants_of(nodes_[source.network]));
   }
-  if (too_many(instants)) {
-    throw DesignError(
-        fmt::format("the board's clocks have no common period of fewer than {} switching instants, "
-                    "expected clocks that divide one another",
-                    ClockedNetwork::kMostInstants));
-  }
+  if (too_many(instants)) too_many_instants();
   node.period = *period;
   const auto& intervals = node.clocked.intervals();
   for (std::int64_t t = 0; t < node.period; t += node.clocked.period()) {
@@ -448,26 +443,17 @@ void PeriodicNetworks::for_each_instant(const SineWaveform& of, const std::vecto
 }
 
 Complex PeriodicNetworks::gain(RadPerSecond w) const {
-  return component(w, w);
+  return components(w, {&w, 1})[0];
 }
 
-Complex PeriodicNetworks::component(RadPerSecond w, RadPerSecond line) const {
-  if (!output_) return line.value == w.value ? 1.0 : 0.0;
-  const std::vector<SineWaveform> known = outputs(w.value);
-  Complex out = 0.0;
-  for (const std::size_t part : parts_[*output_]) out += mean(known[part], known, w.value, line.value);
-  return out;
-}
-
-std::vector<Complex> PeriodicNetworks::components(Hertz sine, std::span<const double> lines_hz) const {
-  const double w = sine.rad_s().value;
-  const std::vector<SineWaveform> known = output_ ? outputs(w) : std::vector<SineWaveform>{};
-  std::vector<Complex> out;
-  for (const double hz : lines_hz) {
-    Complex sum = output_ || hz != sine.value ? 0.0 : 1.0;
+std::vector<Complex> PeriodicNetworks::components(RadPerSecond sine,
+                                                  std::span<const RadPerSecond> lines) const {
+  std::vector<Complex> out(lines.size(), 0.0);
+  const std::vector<SineWaveform> known = output_ ? outputs(sine.value) : std::vector<SineWaveform>{};
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!output_) out[i] = lines[i].value == sine.value ? 1.0 : 0.0;
     for (const std::size_t part : output_ ? parts_[*output_] : std::vector<std::size_t>{})
-      sum += mean(known[part], known, w, Hertz{hz}.rad_s().value);
-    out.push_back(sum);
+      out[i] += mean(known[part], known, sine.value, lines[i].value);
   }
   return out;
 }

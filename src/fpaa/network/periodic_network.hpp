@@ -79,10 +79,8 @@ class PeriodicNetworks {
   };
   /// [network][op-amp].
   std::vector<std::vector<NodeSize>> nodes(RadPerSecond w) const;
-  /// The output's component at another frequency (a line k fc +- f of it).
-  std::complex<double> component(RadPerSecond w, RadPerSecond line) const;
-  /// Several lines of one sine, in hertz.
-  std::vector<std::complex<double>> components(Hertz sine, std::span<const double> lines_hz) const;
+  /// The output's components at several frequencies (lines k fc +- f; below 0: the conjugate one above) for one sine.
+  std::vector<std::complex<double>> components(RadPerSecond sine, std::span<const RadPerSecond> lines) const;
 
   /// One-sided noise density at the output, [network]: what each adds, in kT over the unit of capacitance, a hertz. Of networks made
   /// with their noise.

@@ -8,7 +8,6 @@
 
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
-#include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 
 namespace bodesmith::fpaa {
@@ -26,47 +25,42 @@ std::optional<ClockedNetwork> network_of_cam(const PlacedCam& cam, std::int64_t 
 
 }  // namespace
 
-BoardRun::BoardRun(const std::vector<Cell>& cells, std::vector<Part> parts, const Board& board)
+BoardRun::BoardRun(const std::vector<WiredCam>& cams, std::vector<Part> parts, const Board& board)
     : parts_(std::move(parts)),
       ticks_per_second_(ticks_per_second(board)),
       full_scale_v_(board.full_scale_v) {
-  for (const Cell& cell : cells) {
+  for (const WiredCam& cam : cams) {
     Node node;
-    node.name = cell.cam.name;
+    node.name = cam.name;
     std::int64_t period =
-        std::max<std::int64_t>(2, nearest_whole<long long>(ticks_per_second_ / cell.cam.clock_a.value));
+        std::max<std::int64_t>(2, nearest_whole<long long>(ticks_per_second_ / cam.clock_a.value));
     period += period % 2;
-    node.network = network_of_cam(cell.cam, period);
+    node.network = network_of_cam(cam, period);
     if (node.network) {
       // At rest; the first instant, at 0, begins phase 1.
       node.interval = node.network->intervals().size() - 1;
       node.charges = Eigen::VectorXd::Zero(node.network->intervals().back().m.cols());
       node.edge = {0, period / 2};
     } else {
-      node.step = cell.cam.cam->step(cell.cam);
-      if (node.step == nullptr) {
+      node.step = cam.cam->step(cam);
+      if (!node.step) {
         throw DesignError(fmt::format("{} is a {} without capacitors, expected a CAM that is made of some",
-                                      node.name, cell.cam.cam_name()));
+                                      node.name, cam.cam_name()));
       }
-      const std::int64_t offset = cell.cam.phase == 2 ? 0 : period / 2;
-      const std::int64_t delay =
-          nearest_whole<long long>(cell.cam.delay_cycles * static_cast<double>(period));
+      const std::int64_t offset = cam.phase == 2 ? 0 : period / 2;
+      const std::int64_t delay = nearest_whole<long long>(cam.delay_cycles * static_cast<double>(period));
       if (delay < 0) {
         throw DesignError(
-            fmt::format("{} is late by {} cycles, expected 0 or more", node.name, cell.cam.delay_cycles));
+            fmt::format("{} is late by {} cycles, expected 0 or more", node.name, cam.delay_cycles));
       }
       node.edge = {offset, period};
-      node.late_edge = {offset + period / 2, period};
       if (delay > 0) node.shown = {offset + delay, period};
     }
-    node.late = cell.late;
-    node.late.resize(cell.inputs.size(), false);
-    node.read.assign(cell.inputs.size(), 0.0);
+    node.read.assign(cam.inputs.size(), 0.0);
     nodes_.push_back(std::move(node));
   }
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    for (const std::string& name : cells[i].inputs)
-      nodes_[i].sources.push_back(source_of(name, cells[i].cam.name));
+  for (std::size_t i = 0; i < cams.size(); ++i) {
+    for (const std::string& name : cams[i].inputs) nodes_[i].sources.push_back(source_of(name, cams[i].name));
   }
   for (const Part& part : parts_) {
     part_sources_.emplace_back();
@@ -127,12 +121,6 @@ double BoardRun::voltage(std::size_t source, int depth) {
   return parts_[source - nodes_.size()].value(static_cast<double>(now_) / ticks_per_second_, {inputs, count});
 }
 
-void BoardRun::read_inputs(Node& node, bool late) {
-  for (std::size_t k = 0; k < node.sources.size(); ++k) {
-    if (node.network || node.late[k] == late) node.read[k] = voltage(node.sources[k]);
-  }
-}
-
 void BoardRun::switch_over(Node& node) {
   const ClockedNetwork::Interval& at = node.network->intervals()[node.interval];
   node.next_charges.resize(at.m.rows());
@@ -153,9 +141,9 @@ void BoardRun::take_step(Node& node) {
   // What other steps have just shown is read as it is now.
   for (std::size_t k = 0; k < node.sources.size(); ++k) {
     const std::size_t source = node.sources[k];
-    if (!node.late[k] && source < nodes_.size() && nodes_[source].step) node.read[k] = nodes_[source].visible;
+    if (source < nodes_.size() && nodes_[source].step) node.read[k] = nodes_[source].visible;
   }
-  const double out = limited(node, node.step->at_edge(node.read));
+  const double out = limited(node, node.step(node.read));
   if (node.shown.next == Edge::kNever) {
     node.visible = out;
   } else {
@@ -168,8 +156,8 @@ void BoardRun::run_instant(std::int64_t tick) {
   ++readings_;
   const auto due = [&](const Edge& edge) { return edge.next == now_; };
   for (Node& node : nodes_) {
-    if (due(node.edge)) read_inputs(node, false);
-    if (due(node.late_edge)) read_inputs(node, true);
+    for (std::size_t k = 0; due(node.edge) && k < node.sources.size(); ++k)
+      node.read[k] = voltage(node.sources[k]);
   }
   for (Node& node : nodes_) {
     if (due(node.shown) && !node.pending.empty()) {
@@ -185,7 +173,7 @@ void BoardRun::run_instant(std::int64_t tick) {
   }
   next_ = Edge::kNever;
   for (Node& node : nodes_) {
-    for (Edge* edge : {&node.edge, &node.late_edge, &node.shown}) {
+    for (Edge* edge : {&node.edge, &node.shown}) {
       if (due(*edge)) edge->next += edge->every;
       next_ = std::min(next_, edge->next);
     }

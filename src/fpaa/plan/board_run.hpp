@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "fpaa/cams/cam_step.hpp"
-#include "fpaa/cams/placed_cam.hpp"
+#include "fpaa/cams/cam.hpp"
 #include "fpaa/device/board.hpp"
 #include "fpaa/network/clocked_network.hpp"
+#include "fpaa/plan/plan.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -24,16 +24,10 @@ namespace bodesmith::fpaa {
 ///   V(t) = C q + D u(t),
 /// and at each of them q becomes M q + N u just before it; what it reads is a voltage that may move. Any other CAM
 /// (a converter, a comparator) is its CamStep: it reads at the end of its phase, shows the result `delay_cycles` later
-/// and until the next one; an input that is marked late it has read half a period before. Results that are due at an
-/// instant are there for converters that read then. Time is counted in half periods of the master clock; phase 1 of
+/// and until the next one. Results that are due at an instant are there for converters that read then. Time is counted in half periods of the master clock; phase 1 of
 /// every clock begins at 0. Analogue outputs clip at the board's full scale.
 class BoardRun {
  public:
-  struct Cell {
-    PlacedCam cam;
-    std::vector<std::string> inputs;  ///< names of cells or of parts outside
-    std::vector<bool> late;           ///< of a CamStep: inputs read half a cycle before; empty: none
-  };
   /// Something beside the board that needs no clock.
   struct Part {
     std::string name;
@@ -42,7 +36,7 @@ class BoardRun {
   };
 
   /// Throws DesignError: an input that is nothing's name, a delay below 0, a loop without delay.
-  BoardRun(const std::vector<Cell>& cells, std::vector<Part> parts, const Board& board);
+  BoardRun(const std::vector<WiredCam>& cams, std::vector<Part> parts, const Board& board);
 
   /// Everything up to and including this time.
   void advance_to(double time_s);
@@ -71,9 +65,8 @@ class BoardRun {
     std::int64_t known_at = -1;  ///< reading at which `known` was worked out
     double known = 0.0;
     // Or a step.
-    std::unique_ptr<CamStep> step;
-    std::vector<bool> late;
-    Edge late_edge, shown;       ///< half a period before it reads; when a result is there that has a delay
+    CamStep step;
+    Edge shown;                  ///< when a result is there that has a delay
     std::deque<double> pending;  ///< made, not there yet: oldest first
     double visible = 0.0;
   };
@@ -82,7 +75,6 @@ class BoardRun {
   double voltage(std::size_t source, int depth = 0);
   double network_voltage(Node& node, int depth);
   double limited(Node& node, double volts) const;
-  void read_inputs(Node& node, bool late);
   void switch_over(Node& node);
   void take_step(Node& node);
   void run_instant(std::int64_t tick);

@@ -15,46 +15,36 @@ using Complex = std::complex<double>;
 
 constexpr double kSensitivityStep = 1e-5;
 
-void gains(const SwitchedBoard& board, const std::vector<Hertz>& grid, std::span<Complex> out) {
-  for (std::size_t k = 0; k < grid.size(); ++k) out[k] = board.gain(grid[k].rad_s());
+std::vector<Complex> gains(const SwitchedBoard& board, const std::vector<Hertz>& grid) {
+  std::vector<Complex> out;
+  for (const Hertz f : grid) out.push_back(board.gain(f.rad_s()));
+  return out;
 }
 
 }  // namespace
 
-void DrawnBoard::response(std::span<const double> units, std::span<Complex> out) const {
+std::vector<Complex> DrawnBoard::response(std::span<const double> units) const {
   SwitchedBoard board = board_;
   board.set_units(units);
-  gains(board, grid_, out);
-}
-
-std::vector<Complex> DrawnBoard::response(std::span<const double> units) const {
-  std::vector<Complex> out(grid_.size());
-  response(units, out);
-  return out;
-}
-
-std::vector<std::vector<Complex>> DrawnBoard::sensitivities() const {
-  return sensitivities(nominal_units());
+  return gains(board, grid_);
 }
 
 std::vector<std::vector<Complex>> DrawnBoard::sensitivities(std::span<const double> units) const {
   SwitchedBoard board = board_;
   std::vector<double> moved(units.begin(), units.end());
   std::vector<std::vector<Complex>> out(moved.size(), std::vector<Complex>(grid_.size(), 0.0));
-  std::vector<Complex> up(grid_.size());
-  std::vector<Complex> down(grid_.size());
+  const auto with = [&](std::size_t c, double step) {
+    moved[c] = units[c] * std::exp(step);
+    board.set_units(moved);
+    return gains(board, grid_);
+  };
   for (std::size_t c = 0; c < moved.size(); ++c) {
     if (!(units[c] > 0.0)) continue;
-    moved[c] = units[c] * std::exp(kSensitivityStep);
-    board.set_units(moved);
-    gains(board, grid_, up);
-    moved[c] = units[c] * std::exp(-kSensitivityStep);
-    board.set_units(moved);
-    gains(board, grid_, down);
+    const std::vector<Complex> up = with(c, kSensitivityStep);
+    const std::vector<Complex> down = with(c, -kSensitivityStep);
     moved[c] = units[c];
-    for (std::size_t k = 0; k < grid_.size(); ++k) {
+    for (std::size_t k = 0; k < grid_.size(); ++k)
       out[c][k] = (up[k] - down[k]) / (kSensitivityStep * (up[k] + down[k]));
-    }
   }
   return out;
 }
@@ -80,7 +70,7 @@ namespace {
 
 /// Where the first-order variance of the complex response is largest, each capacitor's share of it.
 std::vector<MismatchSpread::Share> variance_shares(const DrawnBoard& board, const MismatchModel& mismatch) {
-  const auto slopes = board.sensitivities();
+  const auto slopes = board.sensitivities(board.nominal_units());
   const std::vector<double>& units = board.nominal_units();
   const auto variance = [&](std::size_t c, std::size_t k) {
     return std::pow(mismatch.relative_sigma(units[c]), 2) * std::norm(slopes[c][k]);

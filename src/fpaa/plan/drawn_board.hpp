@@ -36,15 +36,9 @@ class DrawnBoard {
 
   /// From the input pin to the output pin, at the grid.
   std::vector<std::complex<double>> response(std::span<const double> units) const;
-  void response(std::span<const double> units, std::span<std::complex<double>> out) const;
-
   /// d ln H / d ln C of every capacitor: [capacitor][frequency].
-  std::vector<std::vector<std::complex<double>>> sensitivities() const;
   std::vector<std::vector<std::complex<double>>> sensitivities(std::span<const double> units) const;
-
   const PlanGraph& graph() const { return board_.graph(); }
-  std::size_t pieces() const { return board_.pieces(); }
-
   /// The capacitors of one board.
   std::vector<double> drawn(const MismatchModel& mismatch, Random& random) const;
   /// Of so many boards, [board][frequency].

@@ -1,6 +1,9 @@
 #include "fpaa/plan/plan.hpp"
 
 #include <algorithm>
+#include <set>
+
+#include "base/text.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -24,24 +27,57 @@ Hertz Plan::fastest_clock() const {
   return out;
 }
 
+std::string Plan::input_pin() const {
+  for (const Wire& wire : wires) {
+    const bool fed =
+        std::any_of(wires.begin(), wires.end(), [&](const Wire& other) { return other.to == wire.from; });
+    if (!fed && WireEnd(wire.from).is_input_pin()) return wire.from;
+  }
+  return {};
+}
+
+std::string Plan::output_pin() const {
+  for (const Wire& wire : wires) {
+    const bool read =
+        std::any_of(wires.begin(), wires.end(), [&](const Wire& other) { return other.from == wire.to; });
+    if (!read && WireEnd(wire.to).is_output_pin()) return wire.to;
+  }
+  return {};
+}
+
 std::vector<std::string> Plan::signal_path() const {
-  if (!path.empty()) return path;
-  std::vector<std::string> out;
-  if (!wires.empty()) out.push_back(wires.front().from);
-  for (const Wire& wire : wires) out.push_back(wire.to);
-  return out;
+  const std::string output = output_pin();
+  std::vector<std::vector<std::string>> ways{{input_pin()}};
+  std::set<std::string> reached{ways[0][0]};
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    if (ways[i].back() == output) return ways[i];
+    for (const Wire& wire : wires) {
+      if (wire.from != ways[i].back() || !reached.insert(wire.to).second) continue;
+      ways.push_back(ways[i]);
+      ways.back().push_back(wire.to);
+    }
+  }
+  return {};
+}
+
+WireEnd::WireEnd(const std::string& text) : name(text) {
+  const std::size_t dot = text.find('.');
+  double number = 0.0;
+  if (dot == std::string::npos || text.compare(0, 4, "chip") != 0 ||
+      !parse_number(text.substr(4, dot - 4), number))
+    return;
+  chip = static_cast<int>(number);
+  name = text.substr(dot + 1);
+}
+
+bool WireEnd::is_numbered(std::string_view kind) const {
+  return chip > 0 && name.size() > kind.size() && name.starts_with(kind) &&
+         name.find_first_not_of("0123456789", kind.size()) == std::string::npos;
 }
 
 const char* to_string(PlanOptions::Topology topology) {
-  switch (topology) {
-    case PlanOptions::Topology::chain:
-      return "chain";
-    case PlanOptions::Topology::bilinear:
-      return "bilinear";
-    case PlanOptions::Topology::automatic:
-      break;
-  }
-  return "auto";
+  static constexpr const char* kNames[] = {"auto", "chain", "bilinear"};
+  return kNames[static_cast<std::size_t>(topology)];
 }
 
 }  // namespace bodesmith::fpaa

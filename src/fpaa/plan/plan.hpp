@@ -30,11 +30,30 @@ struct ChipPlan {
   Resources resources() const;
 };
 
+/// A CAM in its place on a board, and what it reads.
+struct WiredCam : PlacedCam {
+  int chip = 1;
+  std::vector<std::string> inputs;  ///< names of CAMs, or of signals from outside
+};
+
 /// One connection of a plan. Its ends are pins ("chip1.in1", "chip1.out1") and CAMs ("chip1.Section1a").
 struct Wire {
   std::string from;
   std::string to;
   int input = 1;  ///< which input of `to`, counted from 1
+};
+
+/// An end of a wire: a CAM, or a pin ("in1", "out2") of a chip.
+struct WireEnd {
+  int chip = 0;  ///< 0: none is named
+  std::string name;
+
+  explicit WireEnd(const std::string& text);
+  bool is_input_pin() const { return is_numbered("in"); }
+  bool is_output_pin() const { return is_numbered("out"); }
+
+ private:
+  bool is_numbered(std::string_view kind) const;
 };
 
 /// Differences between plan and sections over a band.
@@ -87,8 +106,6 @@ struct Plan {
   std::string board;
   std::vector<ChipPlan> chips;
   std::vector<Wire> wires;         ///< every connection
-  std::vector<std::string> path;   ///< the way of the constant path, "chip1.in1" to "chipN.outM"; empty: the
-                                   ///< wires are one path in this order
   PlanError error;                 ///< all wires, gains included, by the z-transfers alone
   PlanError error_with_delays;     ///< the board as its switches make it
   std::optional<PlanTotal> total;  ///< what 95 % of boards keep
@@ -105,7 +122,10 @@ struct Plan {
 
   std::vector<const PlacedCam*> cams() const;
   Hertz fastest_clock() const;
-  /// Every pin and CAM of the constant path: "chip1.in1", "chip1.Section1a", ..., "chipN.outM".
+  /// The first input pin that nothing leads to ("chip1.in1"), the first output pin that nothing starts from; empty: there is none.
+  std::string input_pin() const;
+  std::string output_pin() const;
+  /// Every pin and CAM of the shortest way between them: "chip1.in1", "chip1.Section1a", ..., "chipN.outM".
   std::vector<std::string> signal_path() const;
 
   static Plan from_node(const Node& node);

@@ -11,13 +11,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-bool is_pin(const std::string& name, const char* kind) {
-  const std::size_t dot = name.find('.');
-  return dot != std::string::npos && name.compare(dot + 1, std::string(kind).size(), kind) == 0 &&
-         dot + 1 + std::string(kind).size() < name.size() &&
-         name.find_first_not_of("0123456789", dot + 1 + std::string(kind).size()) == std::string::npos;
-}
-
 /// Builds the graph; each step may refuse.
 class GraphBuilder {
  public:
@@ -30,7 +23,11 @@ class GraphBuilder {
     for (const Wire& wire : plan_.wires) {
       if (auto refusal = connect(wire)) return *refusal;
     }
-    if (auto refusal = find_output()) return *refusal;
+    if (const std::string pin = plan_.output_pin(); !pin.empty()) {
+      const Outcome<PlanGraph::Source> from = source(pin);
+      if (const Refusal* refusal = refusal_of(from)) return *refusal;
+      out_.output = std::get<PlanGraph::Source>(from);
+    }
     if (auto refusal = find_order()) return *refusal;
     return std::move(out_);
   }
@@ -55,7 +52,7 @@ class GraphBuilder {
   std::optional<Refusal> sort_wires() {
     for (const Wire& wire : plan_.wires) {
       for (const std::string& end : {wire.from, wire.to}) {
-        if (node_of_.count(end) == 0 && !is_pin(end, "in") && !is_pin(end, "out")) {
+        if (node_of_.count(end) == 0 && !WireEnd(end).is_input_pin() && !WireEnd(end).is_output_pin()) {
           return Refusal{
               fmt::format("a wire ends at '{}', expected a CAM of the plan or a pin (chip1.in1)", end)};
         }
@@ -75,7 +72,7 @@ class GraphBuilder {
       }
       const auto driver = driver_of_pin_.find(name);
       if (driver == driver_of_pin_.end()) {
-        if (is_pin(name, "in")) return PlanGraph::Source{};
+        if (WireEnd(name).is_input_pin()) return PlanGraph::Source{};
         return Refusal{fmt::format("nothing is wired to {}, which other wires start from", name)};
       }
       name = driver->second;
@@ -100,21 +97,6 @@ class GraphBuilder {
     const Outcome<PlanGraph::Source> from = source(wire.from);
     if (const Refusal* refusal = refusal_of(from)) return *refusal;
     node.inputs.push_back({number, std::get<PlanGraph::Source>(from)});
-    return std::nullopt;
-  }
-
-  /// The output pin that no wire starts from; of several, the first.
-  std::optional<Refusal> find_output() {
-    for (const Wire& wire : plan_.wires) {
-      if (!is_pin(wire.to, "out")) continue;
-      const bool goes_on = std::any_of(plan_.wires.begin(), plan_.wires.end(),
-                                       [&](const Wire& other) { return other.from == wire.to; });
-      if (goes_on) continue;
-      const Outcome<PlanGraph::Source> from = source(wire.to);
-      if (const Refusal* refusal = refusal_of(from)) return *refusal;
-      out_.output = std::get<PlanGraph::Source>(from);
-      return std::nullopt;
-    }
     return std::nullopt;
   }
 

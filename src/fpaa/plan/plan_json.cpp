@@ -305,7 +305,6 @@ Plan Plan::from_node(const Node& node) {
     out.chips.push_back(chip_from(item, *std::get<const Board*>(facts)));
   }
   out.wires = wires_from(node);
-  if (node.has("wires")) out.path = lines_from(node, "signal_path");
   check_wires(out, node);
   out.error = error_from(node.at("error"));
   if (node.has("error_with_delays")) out.error_with_delays = error_from(node.at("error_with_delays"));

@@ -118,10 +118,11 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   ImageLines out;
   for (std::size_t s = 0; s < signals.size(); ++s) {
     const Hertz f = signals[s];
-    std::vector<double> lines = clock_lines_hz(clocks, f.value, {{kLeastLineHz}, {kImagesBelowHz}});
-    lines.push_back(f.value);
-    const std::vector<Complex> sizes = board.components(f, lines);
-    lines.pop_back();
+    const std::vector<double> lines = clock_lines_hz(clocks, f.value, {{kLeastLineHz}, {kImagesBelowHz}});
+    std::vector<RadPerSecond> asked;
+    for (const double line : lines) asked.push_back(Hertz{line}.rad_s());
+    asked.push_back(f.rad_s());
+    const std::vector<Complex> sizes = board.components(f.rad_s(), asked);
     const double signal = std::abs(sizes.back());
     double squares = 0.0;
     for (std::size_t i = 0; i < lines.size(); ++i) {

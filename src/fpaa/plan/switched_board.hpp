@@ -32,12 +32,9 @@ class SwitchedBoard {
   std::complex<double> sampled(RadPerSecond w) const;
   /// Every op-amp, [node of graph()][op-amp].
   std::vector<std::vector<PeriodicNetworks::NodeSize>> nodes(RadPerSecond w) const;
-  std::complex<double> component(RadPerSecond w, RadPerSecond line) const {
-    return networks_.component(w, line);
-  }
-  /// The output's components at several lines (in hertz; below 0: the conjugate one above) of one sine.
-  std::vector<std::complex<double>> components(Hertz sine, std::span<const double> lines_hz) const {
-    return networks_.components(sine, lines_hz);
+  /// PeriodicNetworks::components().
+  std::vector<std::complex<double>> components(RadPerSecond sine, std::span<const RadPerSecond> lines) const {
+    return networks_.components(sine, lines);
   }
   /// One-sided, in kT/C_u a hertz at the output pin, [node of graph()]; of the nominal capacitors (not after set_units). Each stage's
   /// switches by themselves: what the next stage samples of their motion within a phase is left out (some percent).

@@ -111,13 +111,6 @@ std::optional<Band> usable_band(const SwitchedBoard& board, const Sections& sect
   return best;
 }
 
-Outcome<Plan> searched_plan(const Sections& sections, const PlanOptions& options, Band band,
-                            const Board& board) {
-  Outcome<SearchedDesign> searched = search_design(sections, band, options, board);
-  if (const Refusal* refusal = refusal_of(searched)) return *refusal;
-  return std::move(std::get<SearchedDesign>(searched).plan);
-}
-
 int opamps_of(const Plan& plan) {
   int out = 0;
   for (const ChipPlan& chip : plan.chips) out += chip.resources().opamps;
@@ -127,7 +120,7 @@ int opamps_of(const Plan& plan) {
 /// Plan for a narrower band: in words, with what it came to; empty when that fails too.
 std::string tried_band(const Sections& sections, PlanOptions options, Band band, const Board& board) {
   options.band = band;
-  const Outcome<Plan> made = searched_plan(sections, options, band, board);
+  const Outcome<Plan> made = search_design(sections, band, options, board);
   if (refusal_of(made) != nullptr) return "";
   const Plan& plan = std::get<Plan>(made);
   const SwitchedBoard switched(plan);
@@ -141,7 +134,7 @@ std::string tried_band(const Sections& sections, PlanOptions options, Band band,
 std::string tried_chips(const Sections& sections, const PlanOptions& options, Band band, Board board) {
   constexpr int kTimes = 4;
   board.chips *= kTimes;
-  const Outcome<Plan> made = searched_plan(sections, options, band, board);
+  const Outcome<Plan> made = search_design(sections, band, options, board);
   if (refusal_of(made) != nullptr) return "";
   const Plan& plan = std::get<Plan>(made);
   const SwitchedBoard switched(plan);
@@ -276,7 +269,7 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   if (const auto refusal = too_many_poles(sections, board)) return *refusal;
   // Who asks for a clock or for the vendor's CAMs alone is told what these come to, whatever it is.
   const bool given = options.clock || options.topology != PlanOptions::Topology::automatic;
-  Outcome<Plan> made = searched_plan(sections, options, band, board);
+  Outcome<Plan> made = search_design(sections, band, options, board);
   if (const Refusal* refusal = refusal_of(made)) {
     if (given) return made;
     return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};

@@ -121,7 +121,7 @@ class ChainSearch {
         target_(design_target(sections, band, 10.0, board)),
         fine_(design_target(sections, band, 24.0, board)) {}
 
-  Outcome<SearchedDesign> run() {
+  Outcome<Plan> run() {
     if (options_.clock) {
       const auto clock = find_clock(board_, *options_.clock);
       if (!clock) {
@@ -141,10 +141,9 @@ class ChainSearch {
     sort_by_rank(found);
     Candidate& best = found.front();
     name_by_use(*best.design);
-    SearchedDesign out{*best.design, best.score, best.vendor,
-                       value_or_throw(plan_of_design(*best.design, board_))};
-    out.plan.topology = best.vendor ? "chain" : "cascade";
-    out.plan.trade_off = trade_off(found);
+    Plan out = value_or_throw(plan_of_design(*best.design, board_));
+    out.topology = best.vendor ? "chain" : "cascade";
+    out.trade_off = trade_off(found);
     return out;
   }
 
@@ -351,19 +350,21 @@ class ChainSearch {
     return static_cast<std::size_t>(std::max(6, opamps / std::max(2, list.front().design->opamps())));
   }
 
-  static bool same_as_one(const std::vector<Candidate>& list, const Design& design) {
-    return std::any_of(list.begin(), list.end(), [&](const Candidate& other) {
-      const auto& a = other.design->stages;
-      return std::equal(
-          a.begin(), a.end(), design.stages.begin(), design.stages.end(),
-          [](const DesignStage& x, const DesignStage& y) {
-            return x.divisor == y.divisor && x.kind == y.kind && x.name == y.name &&
-                   std::equal(x.c.begin(), x.c.end(), y.c.begin(), y.c.end(),
-                              [](double p, double q) { return std::abs(p - q) <= 1e-6 * std::max(p, q); });
-          });
-    });
+  /// The same stages at the same clocks; `exactly`: with the same capacitors.
+  static bool alike(const Design& a, const Design& b, bool exactly) {
+    return std::equal(a.stages.begin(), a.stages.end(), b.stages.begin(), b.stages.end(),
+                      [&](const DesignStage& x, const DesignStage& y) {
+                        return x.divisor == y.divisor && x.kind == y.kind && x.name == y.name &&
+                               (!exactly || std::equal(x.c.begin(), x.c.end(), y.c.begin(), y.c.end(),
+                                                       [](double p, double q) {
+                                                         return std::abs(p - q) <= 1e-6 * std::max(p, q);
+                                                       }));
+                      });
   }
-
+  static bool same_as_one(const std::vector<Candidate>& list, const Design& design) {
+    return std::any_of(list.begin(), list.end(),
+                       [&](const Candidate& other) { return alike(*other.design, design, true); });
+  }
   static void sort_by_rank(std::vector<Candidate>& list) {
     std::stable_sort(list.begin(), list.end(),
                      [](const Candidate& a, const Candidate& b) { return a.place() < b.place(); });
@@ -447,13 +448,7 @@ class ChainSearch {
 
   static bool same_clocks(const std::vector<Candidate>& list, const Candidate& c) {
     return std::any_of(list.begin(), list.end(), [&](const Candidate& other) {
-      const auto& a = other.design->stages;
-      const auto& b = c.design->stages;
-      return other.sharing.left_out == c.sharing.left_out &&
-             std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                        [](const DesignStage& x, const DesignStage& y) {
-                          return x.divisor == y.divisor && x.kind == y.kind && x.name == y.name;
-                        });
+      return other.sharing.left_out == c.sharing.left_out && alike(*other.design, *c.design, false);
     });
   }
 
@@ -530,8 +525,8 @@ class ChainSearch {
 
 }  // namespace
 
-Outcome<SearchedDesign> search_design(const Sections& sections, Band band, const PlanOptions& options,
-                                      const Board& board) {
+Outcome<Plan> search_design(const Sections& sections, Band band, const PlanOptions& options,
+                            const Board& board) {
   return ChainSearch(sections, band, options, board).run();
 }
 

@@ -8,18 +8,10 @@
 
 namespace bodesmith::fpaa {
 
-/// A design with whole capacitors, placed on the board.
-struct SearchedDesign {
-  Design design;
-  DesignScore score;
-  bool vendor = false;  ///< of CAMs of AnadigmDesigner2 alone
-  Plan plan;
-};
-
 /// Chains with several clocks, numbers of stages and pairings, by rising care: fitted with any capacitors and judged by what whole
 /// ones could come to at best (mismatch, swing); the most promising made whole; the best of these with more care.
 /// Refused with what is missing when none fits on the board.
-Outcome<SearchedDesign> search_design(const Sections& sections, Band band, const PlanOptions& options,
-                                      const Board& board);
+Outcome<Plan> search_design(const Sections& sections, Band band, const PlanOptions& options,
+                            const Board& board);
 
 }  // namespace bodesmith::fpaa

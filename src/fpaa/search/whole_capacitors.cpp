@@ -13,23 +13,14 @@ namespace {
 using Complex = std::complex<double>;
 using Stage = DesignStage;
 
-/// Whether a capacitor of a second-order stage is in the first of its groups.
-bool in_first_group(Stage::Kind kind, std::size_t capacitor) {
-  if (capacitor == Stage::kC1 || capacitor == Stage::kC2 || capacitor == Stage::kCA) return true;
-  return kind == Stage::Kind::second_high && (capacitor == Stage::kCp || capacitor == Stage::kC4);
-}
-
 /// A stage's whole capacitors at given scales of its groups; false where one does not come to a unit.
-bool rounded_at(Stage& stage, const Stage& exact_stage, double node_scale, double first, double second,
-                int max_capacitor) {
+bool rounded_at(Stage& stage, const Stage& exact_stage, const std::vector<std::vector<std::size_t>>& groups,
+                double node_scale, double first, double second, int max_capacitor) {
   const std::vector<double>& exact = exact_stage.c;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     if (!(exact[i] > 0.0)) continue;
-    double scale = first;
-    if (stage.kind != Stage::Kind::first) {
-      scale = in_first_group(stage.kind, i) ? first : second;
-      if (i == Stage::kCA || i == Stage::kC3) scale *= node_scale;
-    }
+    double scale = std::find(groups[0].begin(), groups[0].end(), i) != groups[0].end() ? first : second;
+    if (!stage.is_first() && (i == Stage::kCA || i == Stage::kC3)) scale *= node_scale;
     const double units = std::round(exact[i] * scale);
     if (units > stage.largest_units(i, max_capacitor)) return false;
     stage.c[i] = units < 1.0 && exact_stage.may_be_left_out(i) ? 0.0 : std::max(1.0, units);
@@ -275,7 +266,8 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
         const double second = second_order ? largest_scale(groups[1], node_scale) *
                                                  std::pow(smallest, static_cast<double>(b) / scales)
                                            : 1.0;
-        if (!rounded_at(stage, design.stages[s], node_scale, first, second, max) || !stage.is_stable())
+        if (!rounded_at(stage, design.stages[s], groups, node_scale, first, second, max) ||
+            !stage.is_stable())
           continue;
         judge();
       }

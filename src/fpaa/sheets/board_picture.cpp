@@ -278,7 +278,7 @@ class BoardPicture {
     double in_y = o.y + kChipTop + 22;
     double out_y = o.y + kChipHeight - 24;
     for (const std::string& name : names) {
-      const bool in = name.find(".in") != std::string::npos;
+      const bool in = WireEnd(name).is_input_pin();
       const Point at{in ? o.x : o.x + kChipWidth, in ? in_y : out_y};
       (in ? in_y : out_y) += in ? kPinGap : -kPinGap;
       ends_[name] = {at, at, 1, chip, false};

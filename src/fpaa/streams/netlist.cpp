@@ -11,18 +11,8 @@ namespace bodesmith::fpaa::an231 {
 namespace {
 
 const char* clock_word(SwitchWord::Clock clock) {
-  using By = SwitchWord::Clock;
-  switch (clock) {
-    case By::none:
-      return "static";
-    case By::a:
-      return "ClockA";
-    case By::b:
-      return "ClockB";
-    case By::other:
-      break;
-  }
-  return "not understood";
+  static constexpr const char* kNames[] = {"static", "ClockA", "ClockB", "not understood"};
+  return kNames[static_cast<std::size_t>(clock)];
 }
 
 Json word_json(const SwitchWord& word) {

@@ -16,28 +16,6 @@ namespace {
 
 constexpr int kLargestStreamDivisor = 510;
 
-/// "chip2.in1" -> (2, "in1").
-struct PlanEnd {
-  int chip = 0;
-  std::string name;
-  bool is_input_pin() const { return is_numbered("in"); }
-  bool is_output_pin() const { return is_numbered("out"); }
-
- private:
-  bool is_numbered(std::string_view kind) const {
-    return name.size() > kind.size() && name.compare(0, kind.size(), kind) == 0 &&
-           name.find_first_not_of("0123456789", kind.size()) == std::string::npos;
-  }
-};
-
-PlanEnd plan_end(const std::string& text) {
-  const std::size_t dot = text.find('.');
-  if (dot == std::string::npos || text.compare(0, 4, "chip") != 0) return {0, text};
-  double chip = 0.0;
-  if (!parse_number(text.substr(4, dot - 4), chip)) return {0, text};
-  return {static_cast<int>(chip), text.substr(dot + 1)};
-}
-
 /// Divisor of ACLK that a CAM's clock is made with.
 int total_divisor(const PlacedCam& cam, const ChipPlan& chip) {
   return nearest_whole<int>(chip.master_clock.value / cam.clock_a.value);
@@ -176,18 +154,18 @@ class PlanReader {
     std::set<std::string> inputs;
     for (const Wire& wire : plan_.wires) {
       for (const std::string& end : {wire.from, wire.to}) {
-        if (plan_end(end).is_input_pin()) inputs.insert(end);
+        if (WireEnd(end).is_input_pin()) inputs.insert(end);
       }
     }
     for (const std::string& pin : inputs) {
-      const PlanEnd end = plan_end(pin);
+      const WireEnd end(pin);
       if (WantedChip* chip = chip_of(end.chip)) chip->inputs.push_back(end.name);
     }
     for (const Wire& wire : plan_.wires) {
       if (auto refusal = read_wire(wire)) return refusal;
     }
     for (const auto& [pin, cell] : options_.cells) {
-      const PlanEnd end = plan_end(pin);
+      const WireEnd end(pin);
       WantedChip* chip = chip_of(end.chip);
       if (chip == nullptr || !has_pin(*chip, end.name)) {
         return Refusal{fmt::format("an I/O cell is asked for {}, which is no pin of the plan", pin)};
@@ -204,8 +182,8 @@ class PlanReader {
   }
 
   std::optional<Refusal> read_wire(const Wire& wire) {
-    const PlanEnd from = plan_end(wire.from);
-    const PlanEnd to = plan_end(wire.to);
+    const WireEnd from(wire.from);
+    const WireEnd to(wire.to);
     if (to.is_input_pin()) return std::nullopt;  // outside the chips
     WantedChip* chip = chip_of(to.chip);
     if (chip == nullptr || from.chip != to.chip) {
@@ -259,7 +237,7 @@ std::vector<PinLink> pin_links(const Plan& plan, const std::vector<ChipCircuit>&
     }
     return -1;
   };
-  const auto cell_of = [&](const PlanEnd& end) {
+  const auto cell_of = [&](const WireEnd& end) {
     const auto chip = pins.find(end.chip);
     if (chip == pins.end()) return 0;
     const auto cell = chip->second.find(end.name);
@@ -267,8 +245,8 @@ std::vector<PinLink> pin_links(const Plan& plan, const std::vector<ChipCircuit>&
   };
   std::vector<PinLink> out;
   for (const Wire& wire : plan.wires) {
-    const PlanEnd from = plan_end(wire.from);
-    const PlanEnd to = plan_end(wire.to);
+    const WireEnd from(wire.from);
+    const WireEnd to(wire.to);
     if (!to.is_input_pin() || (!from.is_output_pin() && !from.is_input_pin())) continue;
     const PinLink link{index_of(from.chip), cell_of(from), index_of(to.chip), cell_of(to)};
     if (link.from_chip >= 0 && link.to_chip >= 0 && link.from_cell > 0 && link.to_cell > 0)
@@ -290,15 +268,7 @@ BoardCircuit read_back(const Plan& plan, const PlanStreams& streams) {
 }
 
 Outcome<EndPins> end_pins(const Plan& plan) {
-  EndPins out;
-  for (const Wire& wire : plan.wires) {
-    const bool fed = std::any_of(plan.wires.begin(), plan.wires.end(),
-                                 [&](const Wire& other) { return other.to == wire.from; });
-    const bool read = std::any_of(plan.wires.begin(), plan.wires.end(),
-                                  [&](const Wire& other) { return other.from == wire.to; });
-    if (out.input.empty() && !fed && plan_end(wire.from).is_input_pin()) out.input = wire.from;
-    if (out.output.empty() && !read && plan_end(wire.to).is_output_pin()) out.output = wire.to;
-  }
+  EndPins out{plan.input_pin(), plan.output_pin()};
   if (out.input.empty() || out.output.empty()) {
     return Refusal{"the plan's wires have no input pin at their beginning or no output pin at their end"};
   }

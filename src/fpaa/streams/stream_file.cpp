@@ -88,17 +88,8 @@ std::vector<FoundStream> streams_of_source(std::string_view text, const std::str
 }  // namespace
 
 std::string_view to_string(FileForm form) {
-  switch (form) {
-    case FileForm::ahf:
-      return "AHF";
-    case FileForm::c_array:
-      return "C array";
-    case FileForm::packet:
-      return "board packet";
-    case FileForm::raw:
-      break;
-  }
-  return "raw bytes";
+  static constexpr const char* kNames[] = {"AHF", "C array", "board packet", "raw bytes"};
+  return kNames[static_cast<std::size_t>(form)];
 }
 
 std::vector<FoundStream> find_streams(std::string_view content, const std::string& file) {

@@ -24,11 +24,10 @@ constexpr double kLargestTone = 0.5;  ///< V
 constexpr double kToneShare = 0.25;   ///< of the largest input
 
 BoardPin board_pin(const PlanStreams& streams, const std::string& plan_pin) {
+  const WireEnd end(plan_pin);
   for (const PlanStreams::Chip& chip : streams.chips) {
-    const std::string start = fmt::format("chip{}.", chip.chip);
-    if (plan_pin.compare(0, start.size(), start) != 0) continue;
-    const auto cell = chip.built.pins.find(plan_pin.substr(start.size()));
-    if (cell != chip.built.pins.end()) return {chip.chip, cell->second};
+    const auto cell = chip.built.pins.find(end.name);
+    if (chip.chip == end.chip && cell != chip.built.pins.end()) return {chip.chip, cell->second};
   }
   throw DesignError(fmt::format("{} is on no I/O cell", plan_pin));
 }
@@ -50,15 +49,11 @@ std::string cell_text(const PlanStreams& streams, const std::string& plan_pin) {
   return fmt::format("chip {} IO{}", pin.chip, pin.cell);
 }
 
-bool is_plan_pin(const std::string& end) {
-  return end.find(".out") != std::string::npos || end.find(".in") != std::string::npos;
-}
-
 Json wires_outside(const Plan& plan, const PlanStreams& streams) {
   Json out = Json::array();
   for (const Wire& wire : plan.wires) {
-    const bool outside = is_plan_pin(wire.from) && wire.to.find(".in") != std::string::npos;
-    if (outside)
+    const WireEnd from(wire.from);
+    if ((from.is_input_pin() || from.is_output_pin()) && WireEnd(wire.to).is_input_pin())
       out.push_back({{"from", cell_text(streams, wire.from)}, {"to", cell_text(streams, wire.to)}});
   }
   return out;

@@ -7,7 +7,6 @@
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/filter_stage.hpp"
 #include "fpaa/cams/multiplier.hpp"
-#include "fpaa/cams/sum_diff.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "base/documents/json.hpp"
-#include "fpaa/cams/hold.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/controller/io.hpp"
 #include "fpaa/controller/run.hpp"
@@ -69,7 +68,9 @@ void expect_legal_controller(const ControllerVariant& v) {
   for (const ControllerCam& cam : v.cams) {
     for (const std::string& input : cam.inputs) {
       const auto source = by_name.find(input);
-      if (source == by_name.end() || !source->second->half_cycle || cam.cam == &hold_cam()) continue;
+      if (source == by_name.end() || !source->second->cam->facts().half_cycle_output ||
+          cam.cam == &hold_cam())
+        continue;
       EXPECT_EQ(source->second->chip, cam.chip) << input << " to " << cam.name;
       EXPECT_EQ(source->second->clock_a.value, cam.clock_a.value) << input << " to " << cam.name;
     }
@@ -77,7 +78,7 @@ void expect_legal_controller(const ControllerVariant& v) {
   for (const OutsidePart& part : v.outside) {
     for (const std::string& input : part.inputs) {
       if (const ControllerCam* source = v.find(input)) {
-        EXPECT_FALSE(source->half_cycle) << input;
+        EXPECT_FALSE(source->cam->facts().half_cycle_output) << input;
       }
     }
   }

@@ -139,8 +139,9 @@ TEST(PeriodicNetworks, stagesOfSeveralClocksAreTheWholeNetwork) {
       const Complex b = whole.gain(w);
       EXPECT_LT(std::abs(a - b), 1e-11 * std::max(1.0, std::abs(b)))
           << periods[0] << " " << periods[1] << " " << hz;
-      const RadPerSecond line{w.value + 2.0 * std::numbers::pi * kTicks / static_cast<double>(periods[2])};
-      EXPECT_LT(std::abs(one_by_one.component(w, line) - whole.component(w, line)), 1e-11);
+      const RadPerSecond line[] = {
+          {w.value + 2.0 * std::numbers::pi * kTicks / static_cast<double>(periods[2])}};
+      EXPECT_LT(std::abs(one_by_one.components(w, line)[0] - whole.components(w, line)[0]), 1e-11);
       // A network with its noise is solved piece by piece, whatever it follows.
       const auto followed = one_by_one.nodes(w);
       const auto pieces = chain(stages, periods, true).nodes(w);

@@ -9,9 +9,7 @@
 
 #include "base/error.hpp"
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/cams/hold.hpp"
 #include "fpaa/cams/multiplier.hpp"
-#include "fpaa/cams/sum_diff.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/network/periodic_network.hpp"
 
@@ -19,7 +17,6 @@ namespace bodesmith::fpaa {
 namespace {
 
 using ::testing::HasSubstr;
-using RunCell = BoardRun::Cell;
 using RunPart = BoardRun::Part;
 
 constexpr double kRunClock = 250e3;
@@ -43,17 +40,16 @@ PlacedCam run_filter(const std::string& name, const char* option, std::vector<Ca
 }
 
 /// Weights over 100 units; those above 0 are taken up in phase 2.
-RunCell run_sum(const std::string& name, const std::vector<std::string>& inputs,
-                const std::vector<double>& weights) {
-  RunCell out{run_cam(name, sum_diff_cam()), inputs, {}};
-  out.cam.more_numerators.resize(weights.size() - 1);
+WiredCam run_sum(const std::string& name, const std::vector<std::string>& inputs,
+                 const std::vector<double>& weights) {
+  WiredCam out{run_cam(name, sum_diff_cam()), 1, inputs};
+  out.more_numerators.resize(weights.size() - 1);
   for (std::size_t i = 0; i < weights.size(); ++i) {
     const std::string number = std::to_string(i + 1);
-    out.cam.realised.set("gain_" + number, weights[i]);
-    out.cam.capacitors.push_back(
-        {"Cin" + number, static_cast<int>(std::lround(std::abs(weights[i]) * 100.0))});
+    out.realised.set("gain_" + number, weights[i]);
+    out.capacitors.push_back({"Cin" + number, static_cast<int>(std::lround(std::abs(weights[i]) * 100.0))});
   }
-  out.cam.capacitors.push_back({"Cout", 100});
+  out.capacitors.push_back({"Cout", 100});
   return out;
 }
 
@@ -68,7 +64,7 @@ TEST(BoardRun, AChainSettlesToItsPeriodicSteadyState) {
       run_filter("C", "Pole and Zero", {{"Ca", 50}, {"Cb", 60}, {"Cc", 45}, {"Cd", 80}})};
   constexpr double kHz = 6250.0;  // 40 periods a turn
   const double w = 2.0 * std::numbers::pi * kHz;
-  std::vector<RunCell> cells;
+  std::vector<WiredCam> cells;
   PeriodicNetworks networks(32e6);
   std::string before = "r";
   for (const PlacedCam& cam : cams) {
@@ -77,7 +73,7 @@ TEST(BoardRun, AChainSettlesToItsPeriodicSteadyState) {
     const Source from = networks.size() == 0 ? Source{Source::Kind::board_input, 0}
                                              : Source{Source::Kind::network, networks.size() - 1};
     networks.set_output(networks.add(ClockedNetwork(network_of(*stage), {kRunPeriod}), {from}));
-    cells.push_back({cam, {before}, {}});
+    cells.push_back({cam, 1, {before}});
     before = cam.name;
   }
   BoardRun board(cells, {{"r", {}, [&](double t, std::span<const double>) { return std::cos(w * t); }}},
@@ -96,9 +92,8 @@ TEST(BoardRun, AChainSettlesToItsPeriodicSteadyState) {
 }
 
 TEST(BoardRun, HoldsOfOppositePhasesAreHalfACycleEach) {
-  BoardRun board(
-      {{run_cam("A", hold_cam(), 0.5, 1), {"r"}, {}}, {run_cam("B", hold_cam(), 0.5, 2), {"A"}, {}}},
-      {run_ramp()}, an231k04_quad4());
+  BoardRun board({{run_cam("A", hold_cam(), 0.5, 1), 1, {"r"}}, {run_cam("B", hold_cam(), 0.5, 2), 1, {"A"}}},
+                 {run_ramp()}, an231k04_quad4());
   const double cycle = 1.0 / kRunClock;
   for (int n = 2; n < 20; ++n) {
     // A samples at the end of phase 1, (n + 1/2) cycle, and shows it from then on; B half a cycle later.
@@ -113,7 +108,7 @@ TEST(BoardRun, HoldsOfOppositePhasesAreHalfACycleEach) {
 
 TEST(BoardRun, ALoopIsItsRecursion) {
   // In phase 1 the sum shows r of the end of the phase 2 before, less .4 of what the Hold has of its last phase 1.
-  BoardRun board({run_sum("S", {"r", "H"}, {1.0, -0.4}), {run_cam("H", hold_cam(), 0.5), {"S"}, {}}},
+  BoardRun board({run_sum("S", {"r", "H"}, {1.0, -0.4}), {run_cam("H", hold_cam(), 0.5), 1, {"S"}}},
                  {run_ramp()}, an231k04_quad4());
   const double cycle = 1.0 / kRunClock;
   double v = 0.0;
@@ -139,10 +134,10 @@ TEST(BoardRun, ALoopWithoutDelayIsRefused) {
 
 TEST(BoardRun, ConvertersAndTables) {
   LookupTable table = value_or_throw(LookupTable::of([](double x) { return 0.5 * x * x - 2.0; }));
-  RunCell lookup{run_cam("T", transfer_function_cam(), 1.0), {"r"}, {}};
-  lookup.cam.requested = table.values();
-  RunCell product{run_cam("M", multiplier_cam(), 1.0), {"r", "one"}, {}};
-  product.cam.requested = Multiplier{.scale_per_v = 1.0 / 3.0}.values();
+  WiredCam lookup{run_cam("T", transfer_function_cam(), 1.0), 1, {"r"}};
+  lookup.requested = table.values();
+  WiredCam product{run_cam("M", multiplier_cam(), 1.0), 1, {"r", "one"}};
+  product.requested = Multiplier{.scale_per_v = 1.0 / 3.0}.values();
   const RunPart one{"one", {}, [](double, std::span<const double>) { return 1.0; }};
   BoardRun board({lookup, product}, {run_ramp(), one}, an231k04_quad4());
   const double cycle = 1.0 / kRunClock;
@@ -156,7 +151,7 @@ TEST(BoardRun, ConvertersAndTables) {
 }
 
 TEST(BoardRun, ClipsAtFullScale) {
-  BoardRun board({{run_filter("G", "Low Pass", {{"Cin", 200}, {"Cint", 1}, {"Cout", 10}}), {"r"}, {}}},
+  BoardRun board({{run_filter("G", "Low Pass", {{"Cin", 200}, {"Cint", 1}, {"Cout", 10}}), 1, {"r"}}},
                  {run_ramp()}, an231k04_quad4());
   board.advance_to(0.1e-3);
   EXPECT_THAT(board.clipped(), ::testing::IsEmpty());

@@ -176,6 +176,28 @@ TEST_F(Tune, ABandwidthBeyondTheDelayIsToldAndAReachableOneNamed) {
   EXPECT_TRUE(tune(family(DrawnPlant{}.sections()), kind(0), options).met());
 }
 
+TEST_F(Tune, APlantThatIntegratesHasTheSignOfItsSlopeAtRest) {
+  // -+40/(s (s/200 + 1)): at rest its phase is that of an integrator, not of a sign.
+  for (const double gain : {40.0, -40.0}) {
+    const std::string text =
+        "{\"schema\": \"bodesmith.sections/1\", \"gain\": " + std::to_string(gain) +
+        ", \"sections\": [{\"gain\": 1, \"zeros_rad_s\": [], \"poles_rad_s\": [[0, 0]]}, {\"gain\": 200, "
+        "\"zeros_rad_s\": [], \"poles_rad_s\": [[-200, 0]]}]}";
+    TuneOptions options;
+    options.limits = {50.0, 6.0, std::nullopt};
+    options.bandwidth = Hertz{10.0};
+    const TunedLoop made = tune(family(text), kind(0), options);
+    EXPECT_TRUE(made.met()) << (made.missed.empty() ? "" : made.missed[0]);
+    EXPECT_GT(made.controller.pid.proportional * gain, 0.0);
+    const Scanned seen = scan([&](double f) {
+      const Complex s(0.0, kTwoPi * f);
+      return pid(made.controller, s) * gain / (s * (1.0 + s / 200.0));
+    });
+    EXPECT_GT(seen.phase_margin_deg, 49.5);
+    EXPECT_NEAR(seen.crossover_hz, 10.0, 0.02);
+  }
+}
+
 TEST_F(Tune, ALightResonanceIsNotched) {
   // 1/(1 + s/30) and a mode at 40 Hz, damping .005, 20 dB above what a loop of 10 Hz can bear.
   const std::string text =

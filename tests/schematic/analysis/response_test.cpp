@@ -102,6 +102,16 @@ TEST(Noise, OfAnRcIsKTOverC) {
   EXPECT_NEAR(rms / std::sqrt(kBoltzmann * kKelvin / 1e-9), 1.0, 1e-3);
 }
 
+TEST(Noise, OfAnOpAmpIsItsOwnAndRisesBelowItsCorner) {
+  Netlist follower;
+  follower.parts = {resistor("Rl", "out", "0", 1e6)};
+  follower.opamps = {{"U1", "", 0, "in", "out", "out"}};
+  const double f = follower.opamp.voltage_noise_corner_hz / 3.0,
+               own = follower.opamp.voltage_noise_v_per_rthz;
+  EXPECT_NEAR(output_noise(follower, {Hertz{f}}, true).front() / own, 2.0, 1e-5);
+  EXPECT_NEAR(output_noise(follower, {Hertz{f}}, false).front() / own, 1.0, 1e-5);
+}
+
 // At rest the shot noise of an ideal junction is the thermal noise of its slope.
 TEST(Noise, OfADiodeAtRestIsThatOfItsSlope) {
   Netlist n;

@@ -112,6 +112,32 @@ TEST(ForeignPoints, ATableWithoutHeadingsIsGainsWhereTheyCanBeNothingElse) {
   EXPECT_THAT(from.inputs[0].read_as, HasSubstr("linear gains"));
 }
 
+TEST(ForeignPoints, SegmentsOfACitiFileAreEvenInFrequency) {
+  const TemporaryFolder folder;
+  const auto written = [&](const std::string& segment, const std::string& values) {
+    write_file(folder / "s.cti", "CITIFILE A.01.00\nVAR FREQ MAG 3\nDATA S[2,1] RI\nSEG_LIST_BEGIN\n" +
+                                     segment + "\nSEG_LIST_END\nBEGIN\n" + values + "END\n");
+    Provenance from;
+    return FrequencyRecord::read_csv(folder / "s.cti", from);
+  };
+  const FrequencyRecord record = written("SEG 100 400 3", "1,0\n0,2\n-3,0\n");
+  ASSERT_EQ(record.frequency.size(), 3u);
+  EXPECT_EQ(record.frequency[0].value, 100.0);
+  EXPECT_EQ(record.frequency[1].value, 250.0);
+  EXPECT_EQ(record.frequency[2].value, 400.0);
+  EXPECT_LT(std::abs(record.response[2] - Complex(-3.0, 0.0)), 1e-12);
+}
+
+TEST(ForeignPoints, PortsOfATouchstoneFileWithoutAnEndingFollowFromItsNumbers) {
+  const TemporaryFolder folder;
+  write_file(folder / "bare", "# Hz S RI R 50\n10 .1 0 .7 .2 .3 0 .4 0\n20 .1 0 .6 .1 .3 0 .4 0\n");
+  Provenance from;
+  const FrequencyRecord record = FrequencyRecord::read_csv(folder / "bare", from);
+  ASSERT_EQ(record.frequency.size(), 2u);
+  EXPECT_LT(std::abs(record.response[0] - Complex(0.7, 0.2)), 1e-12);
+  EXPECT_LT(std::abs(record.response[1] - Complex(0.6, 0.1)), 1e-12);
+}
+
 struct RecordSample {
   std::string name;
   std::size_t samples;
@@ -291,6 +317,12 @@ TEST(ForeignFiles, BrokenOnesAreRefusedByLineOrByte) {
   const std::string raw = read_file(sample("ngspice_ac_binary.raw"));
   EXPECT_THAT(refusal_of(raw.substr(0, raw.size() - 1)),
               HasSubstr("byte " + std::to_string(raw.size() - 1) + ": the file ends within point 17 of 17"));
+  std::string counted = read_file(sample("ngspice_ac_ascii.raw"));
+  for (const char* count : {"x", "99999999999999999999", "9999999999999"}) {
+    const std::size_t at = counted.find("Points: ") + 8;
+    counted.replace(at, counted.find('\n', at) - at, count);
+    EXPECT_THAT(refusal_of(counted), HasSubstr("'" + std::string(count) + "' is not a count"));
+  }
   const std::string mat = read_file(sample("response.mat"));
   EXPECT_THAT(refusal_of(mat.substr(0, mat.size() - 1)), HasSubstr("the file ends within a variable of"));
 }

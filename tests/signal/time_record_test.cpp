@@ -1,0 +1,33 @@
+#include "signal/time_record.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "base/error.hpp"
+
+namespace bodesmith {
+namespace {
+
+TEST(TimeRecord, SizesWhoseSquaresLeaveADoublesRangeAreRefused) {
+  const auto sized = [](double u, double y) { return TimeRecord{"r.csv", 0.0, 1.0, {0.0, u}, {0.0, y}}; };
+  for (const double size : {0.0, 1e-49, 1.0, 1e49})
+    EXPECT_NO_THROW(sized(size, -size).require_measured_sizes());
+  for (const double size : {1e-51, 1e51}) {
+    EXPECT_THROW(sized(-size, 1.0).require_measured_sizes(), InputError);
+    EXPECT_THROW(sized(1.0, size).require_measured_sizes(), InputError);
+  }
+}
+
+TEST(TimeRecord, TheInputsExtentIsThatOfWhatIsNotSkipped) {
+  const std::vector<TimeRecord> records = {{"a", 0.0, 0.5, {-9.0, 0.0, 5.0, 6.0}, {}},
+                                           {"b", 0.0, 0.5, {7.0, 1.0, 3.0}, {}}};
+  const SignalExtent seen = input_extent(records, 0.5);
+  EXPECT_EQ(seen.lower, 0.0);
+  EXPECT_EQ(seen.upper, 6.0);
+  EXPECT_EQ(seen.max_rate_per_s, 10.0);
+  EXPECT_EQ(input_extent(records).max_rate_per_s, 18.0);
+}
+
+}  // namespace
+}  // namespace bodesmith

@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "gap/effect.hpp"
 
@@ -8,24 +11,43 @@ namespace {
 /// A coefficient that is 0 in a base resonator.
 class ResonatorTerm final : public Effect {
  public:
-  /// `typical`: the coefficient at which the term is about a tenth of the linear one, of a deflection of that size.
-  using Typical = double (*)(const chain::Block& resonator, double size);
-  ResonatorTerm(EffectFacts facts, const char* key, double least, double most, Typical typical)
-      : Effect(std::move(facts)), key_(key), least_(least), most_(most), typical_(typical) {}
+  struct Range {
+    Unknown unknown;
+    Starts starts;
+  };
+  using RangeOf = Range (*)(std::string key, const chain::Block& resonator, const Signal& deflection);
+  ResonatorTerm(EffectFacts facts, const char* key, RangeOf range_of)
+      : Effect(std::move(facts)), key_(key), range_of_(range_of) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : places_of_unused(scene, key_)) {
-      const double scale = typical_(scene.model->at(at), scene.boundary[at + 1].size());
-      out.push_back(change_block(
-          scene, *this, at, {linear_unknown(key_, least_ * scale, most_ * scale, scale)}, {{0.2 * scale}}));
+      auto range = range_of_(key_, scene.model->at(at), scene.boundary[at + 1]);
+      out.push_back(change_block(scene, *this, at, {std::move(range.unknown)}, std::move(range.starts)));
     }
   }
 
  private:
   const char* key_;
-  double least_;
-  double most_;
-  Typical typical_;
+  RangeOf range_of_;
 };
+
+/// Of a spring's coefficient that is a tenth of the linear one at the greatest deflection when it is `typical`.
+ResonatorTerm::Range spring_range(std::string key, double typical) {
+  return {linear_unknown(std::move(key), -8.0 * typical, 8.0 * typical, typical), {{0.2 * typical}}};
+}
+
+/// From a thousandth of the linear damping, of the greatest deflection at the natural frequency, to ten times what holds up
+/// the spring at the speeds there are (slow drives) or the mass (fast ones): a free damping ratio may have taken all of it over.
+ResonatorTerm::Range drag_range(std::string key, const chain::Block& resonator, const Signal& deflection) {
+  const double w = Hertz{resonator.get("natural_frequency_hz")}.rad_s().value;
+  const double speed = std::max(deflection.slope_quantile(0.5), 1e-3 * deflection.slope_quantile(1.0));
+  const double w_size = w * deflection.size();
+  const double low = 2e-3 * resonator.get("damping_ratio") / w_size;
+  const double high = 10.0 * std::max(1.0 / w_size, speed > 0.0 ? w_size / (speed * speed) : 0.0);
+  Starts starts;
+  for (double start = 20.0 * low; start < high; start *= 10.0) starts.push_back({start});
+  if (starts.empty()) starts.push_back({std::sqrt(low * high)});
+  return {logarithmic_unknown(std::move(key), low, high), std::move(starts)};
+}
 
 }  // namespace
 
@@ -35,7 +57,9 @@ const Effect& cubic_stiffness_effect() {
        .what = "a cubic term in a resonator's spring",
        .confused_with = {"cubic_nonlinearity", "saturation", "drag"},
        .experiment = "sweeps at two amplitudes: a spring moves the resonance, a static curve does not"},
-      "cubic", -8.0, 8.0, [](const chain::Block&, double size) { return 0.1 / (size * size); });
+      "cubic", [](std::string key, const chain::Block&, const Signal& deflection) {
+        return spring_range(std::move(key), 0.1 / (deflection.size() * deflection.size()));
+      });
   return effect;
 }
 
@@ -46,21 +70,19 @@ const Effect& quadratic_stiffness_effect() {
        .confused_with = {"offset", "quadratic_nonlinearity"},
        .experiment =
            "the same drive with two biases: a quadratic spring moves the resonance with the bias, an offset does not"},
-      "quadratic", -8.0, 8.0, [](const chain::Block&, double size) { return 0.1 / size; });
+      "quadratic", [](std::string key, const chain::Block&, const Signal& deflection) {
+        return spring_range(std::move(key), 0.1 / deflection.size());
+      });
   return effect;
 }
 
 const Effect& drag_effect() {
-  // |y'| y' of a signal of size S at the natural frequency is about (w S)^2.
   static const ResonatorTerm effect(
       {.name = "drag",
        .what = "damping in proportion to |v| v inside a resonator",
        .confused_with = {"cubic_stiffness"},
        .experiment = "ring-downs from two amplitudes: drag damps the larger one more"},
-      "drag", -5.0, 50.0, [](const chain::Block& resonator, double size) {
-        const double w = Hertz{resonator.get("natural_frequency_hz")}.rad_s().value;
-        return 0.2 * resonator.get("damping_ratio") / (w * size);
-      });
+      "drag", drag_range);
   return effect;
 }
 

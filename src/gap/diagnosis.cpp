@@ -45,18 +45,6 @@ DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   return s;
 }
 
-/// All that describing a search asks the meter for.
-void look_ahead(const SearchResult& search, const GapMeter& meter) {
-  std::vector<const Model*> sized = {&search.initial, &search.base, &search.final};
-  std::vector<const Model*> rivals;
-  for (const auto& step : search.steps) {
-    sized.push_back(&step.before);
-    sized.push_back(&step.after);
-    if (const auto* rival = best_rival(step)) rivals.push_back(&rival->model);
-  }
-  meter.look_ahead(sized, rivals);
-}
-
 /// What the candidates leave of the held-out records, for the tables.
 void look_at_holdout(std::vector<Ranked>& ranking, const Experiments& holdout) {
   parallel_for(ranking.size(), allowed_threads(),
@@ -153,7 +141,6 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   for (auto& s : d.search.steps) look_at_holdout(s.ranking, study.holdout());
   look_at_holdout(d.search.refused, study.holdout());
   const GapMeter meter(study, d.search.final);
-  look_ahead(d.search, meter);
   d.scored_from = meter.scored_from();
   d.initial = meter.size(d.search.initial);
   d.refitted = meter.size(d.search.base);

@@ -42,25 +42,6 @@ TEST(Signs, aChirpAndBurstsAreConcentratedAndNoiseIsNot) {
   }
 }
 
-TEST(Signs, aSlowChirpAndATelegraphAreEvenInTimeAndNoiseIsNot) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    auto chirp = noise_of_colour(0.6, seed);
-    auto telegraph = noise_of_colour(0.0, seed + 50);
-    std::mt19937_64 random(seed);
-    double level = 1.0;
-    for (std::size_t i = 0; i < 2000; ++i) {
-      const double t = static_cast<double>(i) / 2000.0;
-      chirp.residual[i] += 5.0 * std::sqrt(2.0) * std::sin(2.0 * std::numbers::pi * (20.0 + 15.0 * t) * t);
-      if (random() % 150 == 0) level = -level;
-      telegraph.residual[i] += 5.0 * level;
-    }
-    EXPECT_TRUE(even_in_time(chirp).found()) << seed;
-    EXPECT_TRUE(even_in_time(telegraph).found()) << seed;
-    for (double memory : {0.0, 0.5, 0.9, 0.98})
-      EXPECT_FALSE(even_in_time(noise_of_colour(memory, seed + 100)).found()) << seed << " " << memory;
-  }
-}
-
 // What a smooth drive leaves keeps to its band; noise that forgets itself falls off slowly.
 TEST(Signs, aHumpStandsOnAWhiteFloorAndColouredNoiseHasNone) {
   for (unsigned seed = 1; seed <= 20; ++seed) {

@@ -15,7 +15,7 @@ std::vector<ConstantOffset> constant_offsets(const GapMeter& meter, const Model&
   for (std::size_t i = 0; i < study.holdout().size(); ++i) {
     const auto* time = std::get_if<TimeExperiment>(&study.holdout()[i]);
     if (time == nullptr) continue;
-    const std::vector<double> residual = meter.holdout_residual(model, i);
+    const auto residual = meter.holdout_residual(model, i);
     const double middle = mean(residual), whole = rms(residual);
     const double share = middle * middle / (whole * whole);
     if (!(share >= kMostOfIt)) continue;

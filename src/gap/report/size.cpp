@@ -17,11 +17,6 @@ namespace {
 /// A start stands out under the final model when its residual is this much larger than the rest's.
 constexpr double kStartStandsOut = 1.5;
 
-/// The model as a record of its own sees it: lines of the mains as this record has them.
-Model for_record(const Model& model, const Experiment& experiment) {
-  return model.line_blocks().empty() ? model : with_lines_of(model, experiment);
-}
-
 /// Residual of one record from its first to its last sample, as `simulate` makes it.
 std::vector<double> whole_residual(const Model& model, const TimeExperiment& experiment) {
   simulate::Options options;
@@ -57,65 +52,52 @@ std::vector<Cell> where_in(const FrequencyExperiment& experiment, const std::vec
 
 }  // namespace
 
-const std::vector<double>& GapMeter::residual(const Model& model, const Experiment& experiment) const {
-  Key key = {chain::model_text(model.chain()), &experiment};
-  const auto known = residuals_.find(key);
-  if (known != residuals_.end()) return known->second;
-  return residuals_.emplace(std::move(key), whole_residual(model, experiment)).first->second;
-}
-
-void GapMeter::look_ahead(const std::vector<const Model*>& sized,
-                          const std::vector<const Model*>& held_out) const {
-  std::map<Key, Model> wanted;
-  const auto want = [&](const Model& model, const Experiment& experiment) {
-    Key key = {chain::model_text(model.chain()), &experiment};
-    if (residuals_.count(key) == 0) wanted.emplace(std::move(key), model);
-  };
-  for (const auto* models : {&sized, &held_out}) {
-    for (const Model* model : *models) {
-      const Model written = for_record(*model, study_.holdout().front());
-      for (const auto& e : study_.holdout()) want(written, e);
-    }
+std::vector<std::span<const double>> GapMeter::residuals(const Model& model, const Experiments& experiments,
+                                                         bool own_lines) const {
+  std::vector<Key> keys;
+  std::map<Key, Model> missing;
+  for (const auto& e : experiments) {
+    Model written = own_lines ? with_lines_of(model, e) : model;
+    keys.emplace_back(chain::model_text(written.chain()), &e);
+    if (residuals_.count(keys.back()) == 0) missing.emplace(keys.back(), std::move(written));
   }
-  for (const Model* model : sized) {
-    for (const auto& e : study_.train()) want(for_record(*model, e), e);
-  }
-  const std::vector<std::pair<Key, Model>> all(wanted.begin(), wanted.end());
+  const std::vector<std::pair<Key, Model>> all(missing.begin(), missing.end());
   std::vector<std::vector<double>> found(all.size());
   parallel_for(all.size(), allowed_threads(),
                [&](std::size_t i) { found[i] = whole_residual(all[i].second, *all[i].first.second); });
   for (std::size_t i = 0; i < all.size(); ++i) residuals_.emplace(all[i].first, std::move(found[i]));
+  std::vector<std::span<const double>> out;
+  for (const auto& key : keys) out.emplace_back(residuals_.at(key));
+  return out;
 }
 
-std::size_t GapMeter::scoring_start(const Model& final, const TimeExperiment& time,
-                                    const Experiment& experiment, bool split) const {
-  if (time.first() == 0) return 0;
-  const std::span<const double> all = residual(final, experiment);
-  const bool stands_out = rms(all.first(time.first())) > kStartStandsOut * rms(all.subspan(time.first()));
-  return split || stands_out ? time.first() : 0;
+std::vector<std::span<const double>> GapMeter::holdout_residuals(const Model& model) const {
+  return residuals(with_lines_of(model, study_.holdout().front()), study_.holdout(), false);
 }
 
 /// `split`: the samples before the scored ones belong to the training records.
 std::vector<std::size_t> GapMeter::scoring_starts(const Model& final, const Experiments& experiments,
                                                   bool split) const {
-  std::vector<std::size_t> starts;
-  for (const auto& e : experiments) {
-    starts.push_back(
-        std::visit(Visitor{[&](const TimeExperiment& time) { return scoring_start(final, time, e, split); },
-                           [](const FrequencyExperiment&) { return std::size_t{0}; }},
-                   e));
+  const auto all = residuals(final, experiments, false);
+  std::vector<std::size_t> starts(experiments.size(), 0);
+  for (std::size_t i = 0; i < experiments.size(); ++i) {
+    const auto* time = std::get_if<TimeExperiment>(&experiments[i]);
+    const std::size_t first = time != nullptr ? time->first() : 0;
+    if (first > 0 && (split || rms(all[i].first(first)) > kStartStandsOut * rms(all[i].subspan(first))))
+      starts[i] = first;
   }
   return starts;
 }
 
-std::pair<double, double> GapMeter::pooled_rms(const Model& model, const Experiments& experiments,
-                                               const std::vector<std::size_t>& from, bool own_lines) const {
+/// rms of all records together, from their scoring starts on, and whole.
+std::pair<double, double> GapMeter::pooled_rms(const std::vector<std::span<const double>>& residuals,
+                                               const std::vector<std::size_t>& from) {
   std::vector<double> scored;
   std::vector<double> whole;
-  for (std::size_t i = 0; i < experiments.size(); ++i) {
-    const auto& e = residual(own_lines ? for_record(model, experiments[i]) : model, experiments[i]);
-    scored.insert(scored.end(), e.begin() + static_cast<std::ptrdiff_t>(from[i]), e.end());
-    whole.insert(whole.end(), e.begin(), e.end());
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    scored.insert(scored.end(), residuals[i].begin() + static_cast<std::ptrdiff_t>(from[i]),
+                  residuals[i].end());
+    whole.insert(whole.end(), residuals[i].begin(), residuals[i].end());
   }
   return {rms(scored), rms(whole)};
 }
@@ -125,42 +107,32 @@ GapMeter::GapMeter(const Study& study, const Model& final)
       train_from_(scoring_starts(final, study.train(), false)),
       holdout_from_(scoring_starts(final, study.holdout(), study.split())) {}
 
-std::pair<double, double> GapMeter::pooled_holdout_rms(const Model& model) const {
-  const Model written = for_record(model, study_.holdout().front());
-  return pooled_rms(written, study_.holdout(), holdout_from_, false);
-}
-
 double GapMeter::holdout_rms(const Model& model) const {
-  return pooled_holdout_rms(model).first;
+  return pooled_rms(holdout_residuals(model), holdout_from_).first;
 }
 
 GapSize GapMeter::size(const Model& model) const {
   GapSize s;
   // Training records have lines of their own; the held-out ones are compared with what model.toml holds.
-  std::tie(s.train_rms, s.train_whole_rms) = pooled_rms(model, study_.train(), train_from_, true);
-  std::tie(s.holdout_rms, s.holdout_whole_rms) = pooled_holdout_rms(model);
+  std::tie(s.train_rms, s.train_whole_rms) = pooled_rms(residuals(model, study_.train(), true), train_from_);
+  std::tie(s.holdout_rms, s.holdout_whole_rms) = pooled_rms(holdout_residuals(model), holdout_from_);
   s.holdout_percent_of_range = 100.0 * s.holdout_rms / largest_range(study_.holdout());
   return s;
 }
 
 std::vector<Cell> GapMeter::where(const Model& model) const {
-  double largest = -1.0;
-  std::vector<Cell> cells;
-  for (std::size_t i = 0; i < study_.holdout().size(); ++i) {
-    const auto& experiment = study_.holdout()[i];
-    const auto& e = residual(for_record(model, experiment), experiment);
-    const double size = rms(e);
-    if (size <= largest) continue;
-    largest = size;
-    cells = std::visit([&](const auto& kind) { return where_in(kind, e, holdout_from_[i]); }, experiment);
-  }
-  return cells;
+  const auto all = residuals(model, study_.holdout(), true);
+  const auto largest = static_cast<std::size_t>(
+      std::max_element(all.begin(), all.end(), [](auto a, auto b) { return rms(a) < rms(b); }) - all.begin());
+  return std::visit(
+      [&](const auto& kind) {
+        return where_in(kind, {all[largest].begin(), all[largest].end()}, holdout_from_[largest]);
+      },
+      study_.holdout()[largest]);
 }
 
-std::vector<double> GapMeter::holdout_residual(const Model& model, std::size_t record) const {
-  const Model written = for_record(model, study_.holdout().front());
-  const auto& e = residual(written, study_.holdout()[record]);
-  return {e.begin() + static_cast<std::ptrdiff_t>(holdout_from_[record]), e.end()};
+std::span<const double> GapMeter::holdout_residual(const Model& model, std::size_t record) const {
+  return holdout_residuals(model)[record].subspan(holdout_from_[record]);
 }
 
 std::vector<ScoredFrom> GapMeter::scored_from() const {

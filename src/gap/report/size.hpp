@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,29 +38,26 @@ class GapMeter {
   GapSize size(const Model& model) const;
   /// The same of the held-out records alone.
   double holdout_rms(const Model& model) const;
-  /// Works out at once, on as many threads as are allowed, what size() of the one and holdout_rms() of the others will ask for.
-  void look_ahead(const std::vector<const Model*>& sized, const std::vector<const Model*>& held_out) const;
   /// Where the gap of the held-out record with the largest gap lies.
   std::vector<Cell> where(const Model& model) const;
   /// y - y_model of one held-out record over the samples that are scored, lines of the mains as size() takes them.
-  std::vector<double> holdout_residual(const Model& model, std::size_t record) const;
+  std::span<const double> holdout_residual(const Model& model, std::size_t record) const;
   /// Time records only.
   std::vector<ScoredFrom> scored_from() const;
 
  private:
   using Key = std::pair<std::string, const Experiment*>;
 
-  /// Of a record from its first to its last sample, as `simulate` makes it. Kept: the same few models are asked for again and again,
-  /// and some take seconds.
-  const std::vector<double>& residual(const Model& model, const Experiment& experiment) const;
-  std::size_t scoring_start(const Model& final, const TimeExperiment& time, const Experiment& experiment,
-                            bool split) const;
+  /// Of each record from its first to its last sample, as `simulate` makes it; lines of the mains as that record has them, or as the
+  /// model says. Kept: the same few models are asked for again and again, and some take seconds.
+  std::vector<std::span<const double>> residuals(const Model& model, const Experiments& experiments,
+                                                 bool own_lines) const;
+  /// Of the held-out records, lines of the mains as the first of them has them.
+  std::vector<std::span<const double>> holdout_residuals(const Model& model) const;
   std::vector<std::size_t> scoring_starts(const Model& final, const Experiments& experiments,
                                           bool split) const;
-  /// rms of all records together, from their scoring starts on, and whole.
-  std::pair<double, double> pooled_rms(const Model& model, const Experiments& experiments,
-                                       const std::vector<std::size_t>& from, bool own_lines) const;
-  std::pair<double, double> pooled_holdout_rms(const Model& model) const;
+  static std::pair<double, double> pooled_rms(const std::vector<std::span<const double>>& residuals,
+                                              const std::vector<std::size_t>& from);
 
   const Study& study_;
   mutable std::map<Key, std::vector<double>> residuals_;

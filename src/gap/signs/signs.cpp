@@ -31,8 +31,6 @@ Sign depends_either_way(const Leftover& a, const Leftover& b) {
 std::string to_string(SignKind kind) {
   constexpr std::array kWords = {
       "the residual can be foretold from input and output",
-      "the residual is bunched in time",
-      "the residual keeps its size more evenly than noise does",
       "a line stands in the residual's spectrum",
       "the residual jumps",
       "the gain varies with time",
@@ -61,8 +59,8 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
     if (!r.response.empty()) {
       for (const auto look : {smooth_over_frequency, stands_apart}) consider([&r, look] { return look(r); });
     } else if (is_long(r)) {
-      for (const auto look : {jumps, gain_varies, bunched_in_time, even_in_time, spectral_line, concentrated,
-                              above_white_floor, straight_line})
+      for (const auto look :
+           {jumps, gain_varies, spectral_line, concentrated, above_white_floor, straight_line})
         consider([&r, look] { return look(r); });
     }
   }

@@ -17,8 +17,6 @@ struct Leftover {
 
 enum class SignKind {
   depends_on_signals,
-  bunched_in_time,
-  even_in_time,
   spectral_line,
   jumps,
   gain_varies,
@@ -44,13 +42,6 @@ struct Sign {
 /// inputs) by weights learned on one record and applied to the other: noise cannot, because its surrogates
 /// (same spectrum, random phases) cannot.
 Sign depends_on_signals(const Leftover& learn, const Leftover& apply);
-
-/// The energy is bunched in time more than surrogates of the same spectrum ever are.
-Sign bunched_in_time(const Leftover& record);
-
-/// The energy is spread over time more evenly than that of noise of the same spectrum: a tone that slides, levels that
-/// alternate.
-Sign even_in_time(const Leftover& record);
 
 /// A line stands in the spectrum, narrower and higher than noise makes them.
 Sign spectral_line(const Leftover& record);

@@ -84,22 +84,16 @@ void Drawing::append(const Drawing& other, Point shift) {
     one.b = one.b + shift;
     wires.push_back(std::move(one));
   }
-  for (Tap one : other.taps) {
-    one.at = one.at + shift;
-    taps.push_back(std::move(one));
-  }
-  for (Label one : other.labels) {
-    one.at = one.at + shift;
-    labels.push_back(std::move(one));
-  }
-  for (Symbol one : other.symbols) {
-    one.at = one.at + shift;
-    symbols.push_back(std::move(one));
-  }
-  for (Text one : other.texts) {
-    one.at = one.at + shift;
-    texts.push_back(std::move(one));
-  }
+  const auto add = [&](const auto& from, auto& to) {
+    for (auto one : from) {
+      one.at = one.at + shift;
+      to.push_back(std::move(one));
+    }
+  };
+  add(other.taps, taps);
+  add(other.labels, labels);
+  add(other.symbols, symbols);
+  add(other.texts, texts);
   reach(Point{other.left, other.top} + shift);
   reach(Point{other.right, other.bottom} + shift);
 }

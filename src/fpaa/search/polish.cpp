@@ -92,37 +92,6 @@ Design with_moves(const Design& design, const UnitMove& first, const UnitMove* s
 
 }  // namespace
 
-void polish_singles(Design& design, const StageFactorTable& table, int passes) {
-  const int most = table.target().max_capacitor;
-  double best = largest_error(DesignResponse(design, table).errors());
-  std::vector<Complex> room;
-  for (int pass = 0; pass < passes; ++pass) {
-    const double before = best;
-    for (std::size_t s = 0; s < design.stages.size(); ++s) {
-      DesignStage stage = design.stages[s];
-      const DesignResponse response(design, table);
-      const StageTrial place(response, s);
-      for (std::size_t c = 0; c < stage.c.size(); ++c) {
-        if (!(stage.c[c] > 0.0)) continue;
-        for (const double step : {1.0, -1.0, 2.0, -2.0, 5.0, -5.0}) {
-          const double old = stage.c[c];
-          const double next = old + step;
-          if (next < 1.0 || next > stage.largest_units(c, most)) continue;
-          stage.c[c] = next;
-          const double got = stage.is_stable() ? place.largest_error_with(stage, room) : 1e300;
-          if (got < kBetter * best) {
-            best = got;
-          } else {
-            stage.c[c] = old;
-          }
-        }
-      }
-      design.stages[s].c = stage.c;
-    }
-    if (best > 0.999 * before) break;
-  }
-}
-
 void polish_pairs(Design& design, const StageFactorTable& table, const MismatchModel& mismatch, int rounds) {
   struct Judged {
     double smooth = 0.0;  ///< sum of eighth powers

@@ -4,9 +4,6 @@
 
 namespace bodesmith::fpaa {
 
-/// Single capacitors up and down as long as the largest error gets smaller.
-void polish_singles(Design& design, const StageFactorTable& table, int passes);
-
 /// Pairs of capacitors of any stages, each up and down by a few units together, found with the first derivatives and
 /// judged by the exact response: what a single capacitor spoils another one may mend. The spread by mismatch counts
 /// beside the error.

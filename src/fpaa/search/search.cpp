@@ -492,7 +492,6 @@ class ChainSearch {
     if (!may_win(c.bound)) return false;
     Design whole = c.exact;
     if (!make_whole(whole, table, width)) return false;
-    polish_singles(whole, table, 4);
     polish_pairs(whole, table, options_.assumptions.mismatch, pairs);
     c.design = std::move(whole);
     c.vendor = is_vendor(*c.design);

@@ -360,12 +360,6 @@ StageTrial::StageTrial(const DesignResponse& response, std::size_t s)
   share_of(response.design().stages[s], share_);
 }
 
-double StageTrial::largest_error_with(const Stage& stage, std::vector<Complex>& room) const {
-  share_of(stage, room);
-  for (std::size_t k = 0; k < room.size(); ++k) room[k] = errors_[k] + room[k] - share_[k];
-  return largest_error(room);
-}
-
 double largest_error(const std::vector<Complex>& errors) {
   double out = 0.0;
   for (const Complex& e : errors) {

@@ -171,7 +171,6 @@ class StageTrial : public StagePlace {
   const std::vector<std::complex<double>>& share() const { return share_; }
   /// Weighted errors with the stage as it is.
   const std::vector<std::complex<double>>& errors() const { return errors_; }
-  double largest_error_with(const DesignStage& stage, std::vector<std::complex<double>>& room) const;
 
  private:
   std::vector<std::complex<double>> errors_, share_;

@@ -47,8 +47,6 @@ class Effect {
   virtual bool is_no_name(const Model& /*model*/, const Term& /*term*/, const Scene& /*scene*/) const {
     return false;
   }
-  /// It is a name only where it leaves nothing: what it explains of these records may be another effect's as well.
-  virtual bool must_explain_all(const Scene& /*scene*/) const { return false; }
   /// Every place it can sit, with start values from the data.
   virtual void propose(const Scene& scene, std::vector<Proposal>& out) const = 0;
 

@@ -52,7 +52,6 @@ struct RoundOptions {
   int first_iterations = 3;     ///< that each start of a candidate gets before the best ones go on
   double first_tolerance = 1e-3;
   std::size_t few_unknowns = 4;  ///< of terms whose several starts are tried
-  double worth_going_on = 1.15;  ///< times the best start's rms, at which the second best goes on too
   double tolerance = 1e-6;
   int iterations_a_stage = 5;
   int stages = 6;
@@ -89,7 +88,7 @@ struct PairOptions {
 
 struct SearchOptions {
   int max_terms = 5;
-  double enough = 1.2;        ///< times the floor: nothing more is looked for [3, 9]
+  double enough = 1.2;        ///< times the floor: explained, but for signs of more [3, 9]
   int iterations = 40;        ///< of a fit from afar,
   int refit_iterations = 12;  ///< and of one that follows a move
   double plainly_more = 1.5;  ///< times the floor: something is left, whatever the signs [9]

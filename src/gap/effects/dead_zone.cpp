@@ -2,7 +2,6 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/records/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -17,7 +16,6 @@ class DeadZone final : public Effect {
                 .what = "no response near zero",
                 .confused_with = {"backlash", "cubic_nonlinearity", "gain_error", "offset"},
                 .experiment = "a small drive around zero: a dead zone passes nothing"}) {}
-  bool must_explain_all(const Scene& scene) const override { return memory_may_bend(scene, 0); }
   /// Of a signal that stays on one side it takes off a constant.
   bool is_implausible(const Model& model, const Scene& scene) const override {
     const auto at = model.position_of(model.terms().back().blocks.front());

@@ -2,7 +2,6 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/records/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -16,7 +15,6 @@ class Saturation final : public Effect {
                 .confused_with = {"cubic_nonlinearity", "gain_error", "quadratic_nonlinearity"},
                 .experiment = "a slow ramp to the ends of the range: a limit is flat",
                 .places_a_round = 5}) {}
-  bool must_explain_all(const Scene& scene) const override { return memory_may_bend(scene, 0); }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.static_places()) {
       const auto& signal = scene.boundary[at];

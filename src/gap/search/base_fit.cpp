@@ -55,25 +55,4 @@ BaseFit fit_base(const SearchSetting& setting, SearchRecords records) {
   return {std::move(model), std::move(records)};
 }
 
-Model settle(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
-  const auto given = current_values(setting.initial);
-  Model best = model;
-  double min_rms = rms_of(model, records.train);
-  const auto try_from = [&](Model start) {
-    auto fitted = fit_in_turn(setting, records, std::move(start));
-    if (!fitted.result.usable()) return;
-    const double reached = rms_of(fitted.model, records.train);
-    if (!(reached < min_rms)) return;
-    min_rms = reached;
-    best = std::move(fitted.model);
-  };
-  try_from(model);
-  if (!given.empty()) {
-    auto values = current_values(model);
-    std::copy(given.begin(), given.end(), values.begin());
-    try_from(with_values(model, values));
-  }
-  return best;
-}
-
 }  // namespace bodesmith::gap

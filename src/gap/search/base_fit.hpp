@@ -14,9 +14,6 @@ struct BaseFit {
 };
 BaseFit fit_base(const SearchSetting& setting, SearchRecords records);
 
-/// The model as good as its own freedom makes it, so that no term is credited with what a refit alone gains.
-Model settle(const SearchSetting& setting, const SearchRecords& records, const Model& model);
-
 /// Values of the base model's unknowns from which its fits begin. Parameters that are off make the sum of
 /// squares hilly (a resonance beside its peak): frequencies are first tried over a comb, each alone and all
 /// together, the output's size left free, and the best few that lie apart are kept behind the given values.

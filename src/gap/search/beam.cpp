@@ -64,7 +64,7 @@ PlacedSet settled(const SearchSetting& setting, Beam& beam, PlacedSet set) {
   if (wrong.found) set.model = fit_in_turn(setting, wrong.records, std::move(set.model)).model;
   auto tried = score_starts_again(setting, std::move(wrong.records), std::move(set.model));
   follow_what_is_left(tried.records.stretches, tried.records.train, tried.model, setting.options.stretches);
-  set.model = settle(setting, tried.records, tried.model);
+  set.model = fit_in_turn(setting, tried.records, std::move(tried.model)).model;
   beam.records = std::move(tried.records);
   weigh(beam.records, beam.best);
   weigh(beam.records, set);
@@ -168,11 +168,7 @@ PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, P
 /// A round's best set more: of one name, or of a response several at once.
 std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const PlacedSet& set) {
   const auto& options = setting.options;
-  const bool quiet = is_at_floor(options, set.model, beam.records);
-  const EffectFilter filter = [&](const Effect& effect) {
-    return (!quiet || effect.facts().independent_of_input) && beam.barred.count(&effect) == 0;
-  };
-  auto round = fit_round(setting, beam.records, set.model, filter);
+  auto round = fit_round(setting, beam.records, set.model);
   if (options.stopped()) return std::nullopt;
   beam.not_tried = std::move(round.not_tried);
   const auto* best = best_of(setting, beam.records, set.model, round.ranking);
@@ -180,7 +176,7 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
   std::optional<PlacedSet> more;
   if (best != nullptr && best->log_evidence > set.log_evidence)
     more = with_candidate(set, *best, round.ranking);
-  if (are_responses(beam.records.train) && !quiet && !options.is_late() &&
+  if (are_responses(beam.records.train) && !options.is_late() &&
       is_something_left(options, more ? more->model : set.model, beam.records)) {
     const double to_beat = more ? best->log_evidence : set.log_evidence;
     auto sets = sets_of_several(setting, beam.records, set.model, round.ranking);
@@ -198,8 +194,7 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
   return more;
 }
 
-/// One name more after the other, as long as the evidence grows; those that are names only where they leave nothing are barred
-/// where they do not.
+/// One name more after the other, as long as the evidence grows.
 void grow(const SearchSetting& setting, Beam& beam, bool report) {
   const auto& options = setting.options;
   while (static_cast<int>(count_of(beam.best)) < options.max_terms && !options.is_late()) {
@@ -214,7 +209,6 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
     }
     auto more = grown(setting, beam, beam.best);
     if (!more) return;
-    const Beam before = beam;
     auto next = settled(setting, beam, std::move(*more));
     next = improved(setting, beam.records, std::move(next));
     if (!(next.log_evidence > beam.best.log_evidence)) {
@@ -222,11 +216,6 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
       return;
     }
     beam.best = std::move(next);
-    const auto doubtful = must_explain_all(beam.best.model, beam.records.train);
-    if (!doubtful.empty() && is_something_left(options, beam.best.model, beam.records)) {
-      beam = before;
-      beam.barred.insert(doubtful.begin(), doubtful.end());
-    }
   }
 }
 
@@ -244,7 +233,6 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
     set = with_candidate(set, pair.first, base.first);
     set = with_candidate(set, pair.second, {pair.second});
     Beam other = base;
-    other.barred = beam.barred;
     set = settled(setting, other, std::move(set));
     // The best pair may hold one name too many or another's; of the others those that are better than what stands.
     const bool better = log_evidence(set.model, beam.records.train) > beam.best.log_evidence;
@@ -257,7 +245,6 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
     const double evidence = log_evidence(other.best.model, beam.records.train);
     if (!(evidence > beam.best.log_evidence + kPlainlyMore)) continue;
     const bool left = is_something_left(options, other.best.model, other.records);
-    if (left && !must_explain_all(other.best.model, other.records.train).empty()) continue;
     other.best.notes.push_back(names_in_words(other.best.model) +
                                ", looked for together, came further than one name after the other");
     other.first = std::move(beam.first);

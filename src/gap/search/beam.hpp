@@ -33,7 +33,6 @@ struct Beam {
   std::vector<Ranked> first;    ///< ranking of the first round
   std::vector<Ranked> refused;  ///< of the round in which nothing was worth its name
   std::vector<std::string> not_tried = {};
-  std::set<const Effect*> barred = {};  ///< names that had to explain all and did not
   bool smooth_input = false;
 };
 

@@ -23,9 +23,6 @@ struct Hops {
   int count;
 };
 constexpr std::array kHops = {Hops{15.0, 20}, Hops{1.0, 20}, Hops{0.2, 6}, Hops{0.04, 6}, Hops{0.008, 6}};
-/// Times what the model without the term leaves: room for what is known of the unknowns beforehand to pull at them.
-constexpr double kLost = 1.05;
-
 /// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
   const bool many = p.proposal.model.terms().back().unknowns.size() > options.few_unknowns;
@@ -229,10 +226,7 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   });
   std::vector<Racer> racers;
   for (std::size_t i = 0; i < begun.size(); ++i) {
-    for (std::size_t t = 0; t < std::min<std::size_t>(begun[i].size(), 2); ++t) {
-      if (t > 0 && begun[i][t].result.rms > options.round.worth_going_on * begun[i][0].result.rms) break;
-      racers.push_back({i, std::move(begun[i][t]), false});
-    }
+    if (!begun[i].empty()) racers.push_back({i, std::move(begun[i].front()), false});
   }
   race(setting, records, racers);
   comb_leaders(setting, records, racers);
@@ -244,10 +238,6 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
       if (r.candidate == i && (best == nullptr || r.now.result.rms < best->now.result.rms)) best = &r;
     }
     if (best == nullptr) return;
-    // A fit that ends where the model without the term was nearer has lost its way.
-    Model without = candidates[i].proposal.model;
-    without.remove(without.terms().size() - 1);
-    if (best->now.result.rms > kLost * rms_of(without, records.look())) return;
     const auto& term = candidates[i].proposal.model.terms().back();
     Ranked r;
     r.effect = term.effect;

@@ -176,18 +176,6 @@ std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchReco
   return ranking;
 }
 
-std::set<const Effect*> must_explain_all(const Model& model, const Experiments& train) {
-  std::set<const Effect*> found;
-  if (are_responses(train) || model.terms().empty()) return found;
-  Model before = model;
-  before.remove(before.terms().size() - 1);
-  const auto scene = make_scene(before, train);
-  for (const auto& term : model.terms()) {
-    if (term.effect->must_explain_all(scene)) found.insert(term.effect);
-  }
-  return found;
-}
-
 bool could_be_fewer(const Model& model) {
   constexpr std::size_t kManyUnknowns = 5;
   const auto& terms = model.terms();

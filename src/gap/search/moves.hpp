@@ -26,9 +26,6 @@ const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records
 std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
                                   const Effect& effect, const Model& without);
 
-/// Effects of a model's terms that are names only where they leave nothing.
-std::set<const Effect*> must_explain_all(const Model& model, const Experiments& train);
-
 /// More than two names, or one of many unknowns: two may do as well.
 bool could_be_fewer(const Model& model);
 

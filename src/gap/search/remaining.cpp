@@ -93,20 +93,6 @@ std::vector<Sign> signs_left(const Model& model, const SearchRecords& records) {
   return signs_of_structure(all, all);
 }
 
-bool is_at_floor(const SearchOptions& options, const Model& model, const SearchRecords& records) {
-  const auto floor = floor_under(model, records);
-  if (floor.source != NoiseFloor::Source::periods || floor.periods < 2) return false;
-  // Of a response another term is quickly tried, and half a floor more than the noise is much to leave.
-  if (floor.period == 0) return false;
-  // The floor belongs to the periodic record: compare there, and on the others as well, which may go further.
-  const double limit = options.enough * floor.rms;
-  const bool above = std::any_of(records.train.begin(), records.train.end(),
-                                 [&](const Experiment& e) { return rms_of(model, {e}) > limit; });
-  if (above) return false;
-  // What does not repeat may be more than noise (a gain that drifts away).
-  return signs_left(model, records).empty();
-}
-
 bool is_something_left(const SearchOptions& options, const Model& model, const SearchRecords& records) {
   const auto floor = floor_under(model, records);
   if (floor.source == NoiseFloor::Source::periods &&

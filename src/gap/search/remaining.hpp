@@ -14,10 +14,6 @@ NoiseFloor floor_under(const Model& model, const SearchRecords& records);
 /// Signs that what a model leaves is more than noise.
 std::vector<Sign> signs_left(const Model& model, const SearchRecords& records);
 
-/// A model leaves no more than the floor of periodic records, there and on the others, and no sign of
-/// more: what repeats with the input is then explained.
-bool is_at_floor(const SearchOptions& options, const Model& model, const SearchRecords& records);
-
 /// Something is missing yet: plainly more than the floor is left, or a sign of more.
 bool is_something_left(const SearchOptions& options, const Model& model, const SearchRecords& records);
 

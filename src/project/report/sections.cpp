@@ -105,7 +105,7 @@ report::Choice choice_of(const ProjectRun& run, std::size_t index) {
     out.figures.emplace_back(
         rounded_text(made.report.all.max_magnitude_db, 3) + " dB",
         fmt::format("in parts, {} op-amps, {} parts", made.circuit.opamps.size(), made.circuit.parts.size()));
-    out.tables.emplace_back(parts_table(made.circuit.parts), "Parts (those of a stage scale together)");
+    out.tables.emplace_back(parts_table(made.circuit.parts), "Parts");
   }
   return out;
 }

@@ -80,6 +80,18 @@ TEST(InTime, AnOpAmpSlewsAtItsRate) {
   EXPECT_NEAR(run.volts("out", 30e-6), 10.0, 1e-3);
 }
 
+TEST(InTime, AnOpAmpEndsAtItsSwingEitherWay) {
+  Netlist follower;
+  follower.parts = {ohms("Rl", "out", "0", 1e6)};
+  follower.opamps = {{"U1", "", 0, "in", "out", "out"}};
+  for (const double side : {1.0, -1.0}) {
+    InTime run(follower, [side](double) { return 20.0 * side; });
+    run.begin(0.0, {{"in", 20.0 * side}});
+    run.run_to(20e-6);
+    EXPECT_NEAR(run.volts("out", 20e-6), side * follower.opamp.swing_v, 0.1);
+  }
+}
+
 Netlist one_contact() {
   Netlist n;
   n.parts = {ohms("R", "so", "0", 1e6)};

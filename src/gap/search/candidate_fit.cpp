@@ -23,6 +23,7 @@ struct Hops {
   int count;
 };
 constexpr std::array kHops = {Hops{15.0, 20}, Hops{1.0, 20}, Hops{0.2, 6}, Hops{0.04, 6}, Hops{0.008, 6}};
+
 /// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
   const bool many = p.proposal.model.terms().back().unknowns.size() > options.few_unknowns;
@@ -68,20 +69,18 @@ std::vector<Model> starting_models(const SearchSetting& setting, const Promising
   return all;
 }
 
-/// A few steps from everywhere, best first.
-std::vector<FittedModel> begin_fits(const SearchSetting& setting, const SearchRecords& records,
-                                    const Promising& p) {
+/// A few steps from everywhere: the best.
+std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchRecords& records,
+                                     const Promising& p) {
   auto options = fit_options(setting.options, setting.options.round.first_iterations);
   options.cost_tolerance = setting.options.round.first_tolerance;
-  std::vector<FittedModel> begun;
+  std::optional<FittedModel> best;
   for (auto& start : starting_models(setting, p)) {
-    if (setting.options.is_late() && !begun.empty()) break;
+    if (setting.options.is_late() && best) break;
     auto fitted = fit(std::move(start), records.look(), options);
-    if (fitted.result.usable()) begun.push_back(std::move(fitted));
+    if (fitted.result.usable() && (!best || fitted.result.rms < best->result.rms)) best = std::move(fitted);
   }
-  std::stable_sort(begun.begin(), begun.end(),
-                   [](const FittedModel& a, const FittedModel& b) { return a.result.rms < b.result.rms; });
-  return begun;
+  return best;
 }
 
 /// A fit on its way.
@@ -220,34 +219,30 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
 std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, const SearchRecords& records,
                                                   const std::vector<Promising>& candidates) {
   const auto& options = setting.options;
-  std::vector<std::vector<FittedModel>> begun(candidates.size());
+  std::vector<std::optional<FittedModel>> begun(candidates.size());
   parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
-    if (!options.is_late()) begun[i] = begin_fits(setting, records, candidates[i]);
+    if (!options.is_late()) begun[i] = begun_fit(setting, records, candidates[i]);
   });
   std::vector<Racer> racers;
   for (std::size_t i = 0; i < begun.size(); ++i) {
-    if (!begun[i].empty()) racers.push_back({i, std::move(begun[i].front()), false});
+    if (begun[i]) racers.push_back({i, std::move(*begun[i]), false});
   }
   race(setting, records, racers);
   comb_leaders(setting, records, racers);
   share_values(setting, records, candidates, racers);
   std::vector<std::optional<Ranked>> ranked(candidates.size());
-  parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
-    Racer* best = nullptr;
-    for (auto& r : racers) {
-      if (r.candidate == i && (best == nullptr || r.now.result.rms < best->now.result.rms)) best = &r;
-    }
-    if (best == nullptr) return;
-    const auto& term = candidates[i].proposal.model.terms().back();
+  parallel_for(racers.size(), options.threads, [&](std::size_t i) {
+    const auto& candidate = candidates[racers[i].candidate];
+    const auto& term = candidate.proposal.model.terms().back();
     Ranked r;
     r.effect = term.effect;
     r.placed = term.placed;
-    r.score = candidates[i].score;
-    r.model = std::move(best->now.model);
+    r.score = candidate.score;
+    r.model = std::move(racers[i].now.model);
     r.model.set_log_prior(r.model.terms().size() - 1,
-                          log_share_of_name() - std::log(static_cast<double>(candidates[i].places)));
+                          log_share_of_name() - std::log(static_cast<double>(candidate.places)));
     r.train_rms = rms_of(r.model, records.train);
-    if (std::isfinite(r.train_rms)) ranked[i] = std::move(r);
+    if (std::isfinite(r.train_rms)) ranked[racers[i].candidate] = std::move(r);
   });
   return ranked;
 }

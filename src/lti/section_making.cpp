@@ -44,24 +44,6 @@ void normalise(Section& section, double& gain) {
   gain *= size;
 }
 
-/// ln|prod| over a grid, of any subset given by bits.
-class SubsetSpan {
- public:
-  explicit SubsetSpan(std::vector<std::vector<double>> curves) : curves_(std::move(curves)) {}
-  double operator()(std::uint32_t subset) const {
-    std::vector<double> sum(curves_.front().size(), 0.0);
-    for (std::size_t i = 0; i < curves_.size(); ++i) {
-      if ((subset >> i & 1u) == 0) continue;
-      for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += curves_[i][j];
-    }
-    const auto [low, high] = std::minmax_element(sum.begin(), sum.end());
-    return *high - *low;
-  }
-
- private:
-  std::vector<std::vector<double>> curves_;
-};
-
 std::vector<double> log_curve(const Section& section, const std::vector<Hertz>& grid) {
   std::vector<double> out;
   for (const Hertz f : grid) out.push_back(std::log(std::max(std::abs(section.response(f.rad_s())), 1e-300)));
@@ -80,30 +62,6 @@ double largest_span(const std::vector<Section>& sections, const std::vector<Hert
   return worst;
 }
 
-/// Cheapest way through all subsets from none to all, one element a step, cost = largest span met.
-std::vector<std::size_t> best_order(std::size_t count, const SubsetSpan& span) {
-  const std::size_t states = std::size_t{1} << count;
-  std::vector<double> cost(states, INFINITY);
-  std::vector<std::size_t> last(states, 0);
-  cost[0] = 0.0;
-  for (std::size_t state = 1; state < states; ++state) {
-    const double own = span(static_cast<std::uint32_t>(state));
-    for (std::size_t i = 0; i < count; ++i) {
-      if ((state >> i & 1u) == 0) continue;
-      const double reach = std::max(own, cost[state ^ (std::size_t{1} << i)]);
-      if (reach < cost[state]) {
-        cost[state] = reach;
-        last[state] = i;
-      }
-    }
-  }
-  std::vector<std::size_t> order;
-  for (std::size_t state = states - 1; state != 0; state ^= std::size_t{1} << last[state])
-    order.push_back(last[state]);
-  std::reverse(order.begin(), order.end());
-  return order;
-}
-
 /// ln(size) of every product of a subset of curves, at every frequency of the grid.
 using SubsetSums = std::vector<std::vector<double>>;
 
@@ -115,6 +73,31 @@ SubsetSums subset_sums(const std::vector<std::vector<double>>& curves) {
     for (std::size_t j = 0; j < points; ++j) out[state][j] = out[state & (state - 1)][j] + curves[first][j];
   }
   return out;
+}
+
+/// Cheapest way through all subsets of curves from none to all, one a step, cost = largest span met.
+std::vector<std::size_t> best_order(const std::vector<std::vector<double>>& curves) {
+  const SubsetSums sums = subset_sums(curves);
+  const std::size_t states = sums.size();
+  std::vector<double> cost(states, INFINITY);
+  std::vector<std::size_t> last(states, 0);
+  cost[0] = 0.0;
+  for (std::size_t state = 1; state < states; ++state) {
+    const auto [low, high] = std::minmax_element(sums[state].begin(), sums[state].end());
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+      if ((state >> i & 1u) == 0) continue;
+      const double reach = std::max(*high - *low, cost[state ^ (std::size_t{1} << i)]);
+      if (reach < cost[state]) {
+        cost[state] = reach;
+        last[state] = i;
+      }
+    }
+  }
+  std::vector<std::size_t> order;
+  for (std::size_t state = states - 1; state != 0; state ^= std::size_t{1} << last[state])
+    order.push_back(last[state]);
+  std::reverse(order.begin(), order.end());
+  return order;
 }
 
 SubsetSums pole_sums(const std::vector<Section>& sections, const std::vector<Hertz>& grid) {
@@ -358,7 +341,7 @@ OrderedSections order_sections(const Sections& given, Band band) {
   } else if (n <= kMaxSections) {
     std::vector<std::vector<double>> curves;
     for (const Section& section : given.sections) curves.push_back(log_curve(section, grid));
-    const auto order = best_order(n, SubsetSpan(std::move(curves)));
+    const auto order = best_order(curves);
     for (std::size_t i = 0; i < n; ++i) sections[i] = given.sections[order[i]];
     out.exhaustive = true;
   }

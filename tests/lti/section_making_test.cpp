@@ -88,13 +88,25 @@ TEST(OrderSections, NoPairingAndOrderIsBetterOfFourSections) {
 TEST(OrderSections, BiquadsByOrderAloneAndEightSectionsQuickly) {
   Sections mixed;
   mixed.gain = -3.0;
-  for (const double w : {10.0, 500.0, 70.0}) {
+  for (const auto& [zero, pole] : {std::pair{500.0, 90.0}, {400.0, 30.0}, {10.0, 400.0}, {70.0, 75.0}}) {
     Section s;
-    s.zeros = {{-0.2 * w, 0.5 * w}, {-0.2 * w, -0.5 * w}};
-    s.poles = {{-0.6 * w, 0.8 * w}, {-0.6 * w, -0.8 * w}};
+    s.zeros = {{-0.2 * zero, 0.5 * zero}, {-0.2 * zero, -0.5 * zero}};
+    s.poles = {{-0.6 * pole, 0.8 * pole}, {-0.6 * pole, -0.8 * pole}};
     mixed.sections.push_back(s);
   }
-  const OrderedSections ordered = order_sections(mixed, {Hertz{0.5}, Hertz{200.0}});
+  const Band band{Hertz{0.5}, Hertz{200.0}};
+  const OrderedSections ordered = order_sections(mixed, band);
+  const auto grid = log_grid(band, 121);
+  std::vector<size_t> order = {0, 1, 2, 3};
+  double best = INFINITY;
+  do {
+    std::vector<Section> sections;
+    for (const size_t i : order) sections.push_back(mixed.sections[i]);
+    best = std::min(best, span_of(sections, grid));
+  } while (std::next_permutation(order.begin(), order.end()));
+  EXPECT_NEAR(ordered.span_after_db, best, 1e-9);
+  EXPECT_NEAR(span_of(ordered.sections.sections, grid), best, 1e-9);
+  EXPECT_LT(best, ordered.span_before_db - 1.0);
   EXPECT_NEAR(
       std::abs(ordered.sections.response(RadPerSecond{33.0}) / mixed.response(RadPerSecond{33.0}) - 1.0), 0.0,
       1e-12);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -161,6 +162,19 @@ TEST(StageDisturbance, FindsAmplitudeGainsOfShortStrokes) {
   EXPECT_NEAR(table.descending[0], 0.15, 2e-3);
   EXPECT_NEAR(table.ascending[1], 0.4, 2e-3);
   EXPECT_EQ(table.ascending[2], 1.0);
+
+  // A fifth of the stroke higher up: its gains are the same, and where they were read is said.
+  const auto said = [](const StageDisturbance& study) {
+    return std::any_of(study.notes.begin(), study.notes.end(), [](const std::string& note) {
+      return note.find("do not begin at the lower end") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(said(found));
+  for (double& u : records.back().u) u += 0.2 * (stage.high - stage.low);
+  for (double& y : records.back().y) y += 0.2 * stage.stroke;
+  const StageDisturbance shifted = identify_disturbance(records);
+  EXPECT_TRUE(said(shifted));
+  EXPECT_NEAR(shifted.disturbance.amplitude.ascending[0], 0.15, 2e-3);
 }
 
 TEST(StageDisturbance, TakesSinesAndAnOutputThatFalls) {

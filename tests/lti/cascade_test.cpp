@@ -1,3 +1,5 @@
+#include "lti/cascade.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -5,9 +7,7 @@
 
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "lti/cascade.hpp"
 #include "lti/frequency_grid.hpp"
-#include "lti/sections.hpp"
 
 namespace bodesmith {
 namespace {
@@ -64,48 +64,6 @@ TEST(Cascade, JsonRoundTripAndComplaints) {
   EXPECT_THROW(read(R"([{"lambda_s": 1, "x": 1, "beta": 1}])"), InputError);
   EXPECT_THROW(read(R"([{"lambda_s": 1, "x": 0.5}])"), InputError);
   EXPECT_THROW(read(R"({})"), InputError);
-}
-
-TEST(Sections, ResponseIsTheProductOfFactors) {
-  Sections h;
-  h.gain = 2.0;
-  h.sections.push_back(Section::pole_zero(3.0, RadPerSecond{10}, RadPerSecond{100}));
-  Section biquad;
-  biquad.gain = 0.5;
-  biquad.zeros = {Complex(-1, 5), Complex(-1, -5)};
-  biquad.poles = {Complex(-2, 7), Complex(-2, -7)};
-  h.sections.push_back(biquad);
-  const Complex s(0.0, 4.0);
-  const Complex wanted = 2.0 * 3.0 * (1.0 + s / 10.0) / (1.0 + s / 100.0) * 0.5 * (s * s + 2.0 * s + 26.0) /
-                         (s * s + 4.0 * s + 53.0);
-  EXPECT_LT(std::abs(h.response(RadPerSecond{4.0}) - wanted), 1e-12);
-  EXPECT_NEAR(h.dc_gain(), 6.0 * 0.5 * 26.0 / 53.0, 1e-12);
-  EXPECT_EQ(h.pole_count(), 3);
-}
-
-TEST(Sections, RefusesWhatNoCircuitCouldBe) {
-  const auto read = [](const std::string& section) {
-    Sections::from_node(parse_json(
-        R"({"schema": "bodesmith.sections/1", "gain": 1, "sections": [)" + section + "]}", "s.json"));
-  };
-  EXPECT_NO_THROW(read(R"({"gain": 1, "zeros_rad_s": [], "poles_rad_s": [[-1, 0]]})"));
-  EXPECT_THROW(read(R"({"gain": 1, "zeros_rad_s": [], "poles_rad_s": [[1, 0]]})"), InputError) << "unstable";
-  EXPECT_THROW(read(R"({"gain": 1, "zeros_rad_s": [], "poles_rad_s": []})"), InputError);
-  EXPECT_THROW(read(R"({"gain": 1, "zeros_rad_s": [[-1,0],[-2,0]], "poles_rad_s": [[-1,0]]})"), InputError);
-  EXPECT_THROW(read(R"({"gain": 1, "zeros_rad_s": [], "poles_rad_s": [[-1,1],[-1,-2]]})"), InputError);
-  EXPECT_THROW(read(R"({"gain": 0, "zeros_rad_s": [], "poles_rad_s": [[-1,0]]})"), InputError);
-  EXPECT_THROW(read(R"({"gain": 1, "zeros_rad_s": [], "poles_rad_s": [[-1]]})"), InputError);
-}
-
-TEST(LogGrid, HitsBothEndsAndRefusesEmptyBands) {
-  const auto grid = log_grid({Hertz{1}, Hertz{100}}, 3);
-  ASSERT_EQ(grid.size(), 3u);
-  EXPECT_EQ(grid[0].value, 1.0);
-  EXPECT_NEAR(grid[1].value, 10.0, 1e-12);
-  EXPECT_EQ(grid[2].value, 100.0);
-  EXPECT_THROW(log_grid({Hertz{0}, Hertz{1}}, 3), InputError);
-  EXPECT_THROW(log_grid({Hertz{2}, Hertz{1}}, 3), InputError);
-  EXPECT_THROW(log_grid({Hertz{1}, Hertz{2}}, 1), InputError);
 }
 
 }  // namespace

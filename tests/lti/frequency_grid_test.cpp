@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 
+#include "base/error.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -34,6 +36,17 @@ TEST(JudgingGrid, LeavesAPlainResponseAndANotchAsTheyAre) {
   EXPECT_EQ(judging_grid(lag, {Hertz{10.0}, Hertz{1e5}}, 121).size(), 121u);
   const auto notch = [](Hertz f) { return Complex(1.0 - f.value * f.value / 1e6, 0.0); };
   EXPECT_LT(judging_grid(notch, {Hertz{10.0}, Hertz{2e3}}, 61).size(), 250u);
+}
+
+TEST(LogGrid, HitsBothEndsAndRefusesEmptyBands) {
+  const auto grid = log_grid({Hertz{1}, Hertz{100}}, 3);
+  ASSERT_EQ(grid.size(), 3u);
+  EXPECT_EQ(grid[0].value, 1.0);
+  EXPECT_NEAR(grid[1].value, 10.0, 1e-12);
+  EXPECT_EQ(grid[2].value, 100.0);
+  EXPECT_THROW(log_grid({Hertz{0}, Hertz{1}}, 3), InputError);
+  EXPECT_THROW(log_grid({Hertz{2}, Hertz{1}}, 3), InputError);
+  EXPECT_THROW(log_grid({Hertz{1}, Hertz{2}}, 1), InputError);
 }
 
 }  // namespace

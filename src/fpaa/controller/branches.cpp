@@ -171,16 +171,8 @@ BranchInputs ControllerBranches::add_powers(std::vector<ControllerCam>& cams, co
     add_outside({Kind::multiplier, low + "x3", {low + "x2", argument}, per_v});
     out.powers = {argument, low + "x2", low + "x3"};
   } else if (out_.by == PolynomialBy::multipliers) {
-    const Multiplier& m = kFullScaleMultiplier;
-    const auto add = [&](const std::string& name, std::vector<std::string> inputs) {
-      ControllerCam made = cam(name, multiplier_cam(), std::move(inputs));
-      made.option = m.option();
-      made.requested = made.realised = m.values();
-      made.group = group;
-      cams.push_back(std::move(made));
-    };
-    add(prefix + "Square", {argument, argument});
-    add(prefix + "Cube", {prefix + "Square", argument});
+    add_multiplier(cams, prefix + "Square", {argument, argument}, group);
+    add_multiplier(cams, prefix + "Cube", {prefix + "Square", argument}, group);
     add_outside({Kind::constant, "one", {}, kFullScaleV});
     out.powers = {"one", argument, prefix + "Square", prefix + "Cube"};
   }
@@ -200,7 +192,9 @@ Outcome<std::string> ControllerBranches::add_branch(std::vector<ControllerCam>& 
     last = add_sum(cams, name, branch, inputs, group);
   }
   if (disturbance_.amplitude.alpha.empty()) return last;
-  return add_amplitude(cams, name, std::string("amplitude_") + name_of(branch), last, group);
+  const std::string control = std::string("amplitude_") + name_of(branch);
+  add_outside({OutsidePart::Kind::constant, control, {}, kFullScaleV});
+  return add_multiplier(cams, name + "Amplitude", {last, control}, group);
 }
 
 void ControllerBranches::finish(ControllerCam& cam, std::vector<double> weights, std::vector<double> products,
@@ -213,10 +207,6 @@ void ControllerBranches::finish(ControllerCam& cam, std::vector<double> weights,
   if (!side(branch).compensated && !disturbance_.rate.frequency.empty()) cam.scheduled = branch;
   cam.group = group;
   set_weights(cam, 1.0, board_.max_capacitor);
-}
-
-std::vector<double> ControllerBranches::range_points() const {
-  return points_of(range_);
 }
 
 std::vector<double> ControllerBranches::products_of(const std::vector<std::vector<double>>& signals) const {
@@ -235,7 +225,7 @@ std::string ControllerBranches::add_sum(std::vector<ControllerCam>& cams, const 
                                         Direction branch, const BranchInputs& inputs, int group) {
   const bool outside = out_.by == PolynomialBy::outside;
   std::vector<std::vector<double>> signals(inputs.powers.size());
-  for (const double x : range_points()) {
+  for (const double x : points_of(range_)) {
     const double v = outside ? x : out_.scale.volts(x) / kFullScaleV;
     double power = outside ? out_.scale.volts_per_stroke * v : kFullScaleV;
     for (auto& signal : signals) {
@@ -278,7 +268,7 @@ Outcome<std::string> ControllerBranches::add_table(std::vector<ControllerCam>& c
     return cams.back().name;
   }
   std::vector<double> from_table, from_argument;
-  for (const double x : range_points()) {
+  for (const double x : points_of(range_)) {
     const double v = out_.scale.volts(x);
     from_table.push_back(fpaa::table_volts(disturbance_, branch, shape, out_.scale, v));
     from_argument.push_back(v);
@@ -291,14 +281,11 @@ Outcome<std::string> ControllerBranches::add_table(std::vector<ControllerCam>& c
   return cams.back().name;
 }
 
-std::string ControllerBranches::add_amplitude(std::vector<ControllerCam>& cams, const std::string& name,
-                                              const std::string& control, const std::string& input,
-                                              int group) {
-  const Multiplier& m = kFullScaleMultiplier;
-  add_outside({OutsidePart::Kind::constant, control, {}, kFullScaleV});
-  ControllerCam made = cam(name + "Amplitude", multiplier_cam(), {input, control});
-  made.option = m.option();
-  made.requested = made.realised = m.values();
+std::string ControllerBranches::add_multiplier(std::vector<ControllerCam>& cams, const std::string& name,
+                                               std::vector<std::string> inputs, int group) const {
+  ControllerCam made = cam(name, multiplier_cam(), std::move(inputs));
+  made.option = kFullScaleMultiplier.option();
+  made.requested = made.realised = kFullScaleMultiplier.values();
   made.group = group;
   cams.push_back(std::move(made));
   return cams.back().name;

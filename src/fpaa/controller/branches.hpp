@@ -63,13 +63,12 @@ class ControllerBranches {
                                  Disturbance::Branch branch, const BranchInputs& inputs, int group);
   std::string add_sum(std::vector<ControllerCam>& cams, const std::string& name, Disturbance::Branch branch,
                       const BranchInputs& inputs, int group);
-  std::string add_amplitude(std::vector<ControllerCam>& cams, const std::string& name,
-                            const std::string& control, const std::string& input, int group);
+  std::string add_multiplier(std::vector<ControllerCam>& cams, const std::string& name,
+                             std::vector<std::string> inputs, int group) const;
   void add_outside(OutsidePart part);
   void finish(ControllerCam& cam, std::vector<double> weights, std::vector<double> products,
               Disturbance::Branch branch, int group) const;
   std::vector<double> products_of(const std::vector<std::vector<double>>& signals) const;
-  std::vector<double> range_points() const;
 
   ControllerVariant& out_;
   const Disturbance& disturbance_;

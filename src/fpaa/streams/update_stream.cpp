@@ -10,16 +10,13 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/device/cells.hpp"
 #include "fpaa/streams/c_source.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-/// Where the divisors stand in bank 0: chip clocks 0 to 3 downwards from here, and the two system clocks.
-constexpr int kClock0Byte = 7;
 constexpr std::size_t kUpdatedClocks = 4;
-constexpr int kSys1Byte = 9;
-constexpr int kSys2Byte = 10;
 
 /// "bank 3, byte 7".
 std::string place_text(MemoryPlace at) {
@@ -95,11 +92,11 @@ Memory memory_of(const ChipPlan& chip, const ApiProject& project, const UpdateOp
   }
   if (options.clocks) {
     for (std::size_t k = 0; k < std::min(chip.clocks.clocks.size(), kUpdatedClocks); ++k) {
-      set({0, kClock0Byte - static_cast<int>(k)}, divisor_byte(chip.clocks.clocks[k].divisor),
+      set(an231::clock_divisor_at(static_cast<int>(k)), divisor_byte(chip.clocks.clocks[k].divisor),
           fmt::format("Clock {} divisor", k));
     }
-    set({0, kSys1Byte}, divisor_byte(chip.clocks.sys1_divisor), "Sys1 divisor");
-    set({0, kSys2Byte}, divisor_byte(chip.clocks.sys2_divisor), "Sys2 divisor");
+    set(an231::kSystem1, divisor_byte(chip.clocks.sys1_divisor), "Sys1 divisor");
+    set(an231::kSystem2, divisor_byte(chip.clocks.sys2_divisor), "Sys2 divisor");
   }
   return out;
 }

@@ -193,7 +193,6 @@ class TrimDesign {
     problem_.unit_variance = variance_of_unit(options.mismatch);
     problem_.systematic_units = options.mismatch.systematic_units;
     problem_.array = options.array;
-    problem_.steps = options.search_steps;
     problem_.seed = options.seed;
     for (std::size_t c = 0; c < built.size(); ++c) {
       problem_.built.push_back(nearest_whole<int>(built[c]));
@@ -207,7 +206,6 @@ class TrimDesign {
     double least = linearise();
     for (const double reach : {0.25, 0.04, 0.02}) {
       problem_.reach = reach;
-      problem_.restarts = reach > 0.1 ? kRestarts : 0;
       problem_.units = search_trim(problem_);
       const double worst = linearise();
       if (worst >= least) continue;
@@ -218,7 +216,6 @@ class TrimDesign {
   }
 
  private:
-  static constexpr int kRestarts = 12;
   static constexpr double kSigmas = 2.0;
 
   /// Error and slopes at problem_.units, not linear; the worst error expected there, with two standard

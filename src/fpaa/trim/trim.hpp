@@ -52,7 +52,6 @@ struct TrimmedCapacitor {
 struct TrimOptions {
   MismatchModel mismatch;
   UnitArray array = UnitArray::binary;  ///< an ASSUMPTION: the one of the two that exchanges more units
-  int search_steps = 20000;             ///< of TrimProblem
   int samples = 400;  ///< of boards that agree with the measurement, by which a change must prove itself
   std::uint64_t seed = 1;
   std::optional<Band> band;  ///< absent: the plan's

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <utility>
 
 #include "base/whole_number.hpp"
@@ -20,17 +22,15 @@ constexpr double kMaxRelativeMove = 0.25;
 /// rounding, in units.
 constexpr double kMovePrice = 3e-3;
 constexpr double kRoundingSpread = 0.3;
+constexpr int kRestarts = 12;  ///< of the rounding
 constexpr int kMaxSweeps = 60;
-/// In the last exchanges singles are tried up to so many units, pairs by one of these each.
+/// In exchanges singles are tried up to so many units, pairs by one of these each.
 constexpr int kReach = 4;
 constexpr int kTrimPairReach = 2;
 /// Standard deviations of what exchanged units add that count as error.
 constexpr double kCounted = 2.0;
-/// Annealing: relative changes of the cost that are taken with probability 1/e, at first and at last; longest
-/// step of a capacitor relative to itself.
-constexpr double kFirstTemperature = 0.1;
-constexpr double kLastTemperature = 0.004;
-constexpr double kLongestStep = 0.015;
+/// An exchange is worth making from here on.
+constexpr double kBetter = 1.0 - 1e-9;
 
 /// Where one capacitor may be: the logarithm of its change and the relative variance of its new units.
 struct TrimPlace {
@@ -42,6 +42,17 @@ struct TrimPlace {
 struct TrimPrediction {
   std::vector<Complex> error;
   std::vector<double> variance;
+};
+
+/// Capacitors that take other units together, and the cost then.
+struct Exchange {
+  double cost = 0.0;
+  std::vector<std::pair<std::size_t, int>> moves;
+  void take(double at, std::initializer_list<std::pair<std::size_t, int>> by) {
+    if (!(at < cost)) return;
+    cost = at;
+    moves = by;
+  }
 };
 
 class TrimSearch {
@@ -62,18 +73,16 @@ class TrimSearch {
     Random random(problem_.seed);
     double best = 0.0;
     std::vector<int> kept;
-    for (int restart = 0; restart <= problem_.restarts; ++restart) {
+    for (int restart = 0; restart <= kRestarts; ++restart) {
       reset(problem_.units);
       // The last time from the capacitors that are there: better where little is to be done.
-      if (restart < problem_.restarts) round_one_after_the_other(restart == 0 ? nullptr : &random);
-      const double annealed = anneal(random);
-      if (!kept.empty() && annealed >= best) continue;
-      best = annealed;
+      if (restart < kRestarts) round_one_after_the_other(restart == 0 ? nullptr : &random);
+      const double ended = exchange();
+      if (!kept.empty() && ended >= best) continue;
+      best = ended;
       kept = units_;
     }
-    reset(kept);
-    exchange();
-    return units_;
+    return kept;
   }
 
  private:
@@ -101,9 +110,7 @@ class TrimSearch {
   const TrimPlace& place(std::size_t c, int units) const {
     return places_[c][static_cast<std::size_t>(units - lowest_[c])];
   }
-  bool is_place(std::size_t c, int units) const {
-    return units >= lowest_[c] && units < lowest_[c] + static_cast<int>(places_[c].size());
-  }
+  int highest(std::size_t c) const { return lowest_[c] + static_cast<int>(places_[c].size()) - 1; }
 
   void reset(const std::vector<int>& units) {
     units_ = problem_.units;
@@ -133,30 +140,22 @@ class TrimSearch {
     units_[c] = to;
   }
 
-  static double worst_cost(const TrimPrediction& p) {
+  /// The largest error over frequency, and a tenth of the mean, with capacitor c at `to`; infinite where it is above `limit`.
+  double cost(const TrimPrediction& from, std::size_t c, int to, double limit) const {
+    const TrimPlace& was = place(c, units_[c]);
+    const TrimPlace& is = place(c, to);
+    const double by = is.log_change - was.log_change;
+    const double more = is.variance - was.variance;
     double worst = 0.0;
     double sum = 0.0;
-    for (std::size_t k = 0; k < p.error.size(); ++k) {
-      const double here = std::abs(p.error[k]) + kCounted * std::sqrt(std::max(0.0, p.variance[k]));
+    for (std::size_t k = 0; k < from.error.size(); ++k) {
+      const double here = std::abs(from.error[k] + by * problem_.slope[c][k]) +
+                          kCounted * std::sqrt(std::max(0.0, from.variance[k] + more * slope_norm_[c][k]));
+      if (here > limit) return std::numeric_limits<double>::infinity();
       worst = std::max(worst, here);
       sum += here * here;
     }
-    return worst + 0.1 * std::sqrt(sum / static_cast<double>(p.error.size()));
-  }
-  /// The logarithm of the worst error's stand-in, an 8-norm.
-  static double smooth_cost(const TrimPrediction& p) {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < p.error.size(); ++k) {
-      const double square = std::norm(p.error[k]) + kCounted * kCounted * std::max(0.0, p.variance[k]);
-      sum += square * square * square * square;
-    }
-    return 0.125 * std::log(std::max(sum, 1e-300));
-  }
-
-  int stepped(std::size_t c, Random& random) const {
-    const auto reach = whole_number<std::uint64_t>(kLongestStep * units_[c], 1);
-    const int by = 1 + static_cast<int>(random.below(reach));
-    return units_[c] + (random.uniform() < 0.5 ? -by : by);
+    return worst + 0.1 * std::sqrt(sum / static_cast<double>(from.error.size()));
   }
 
   /// The coarsest capacitor first.
@@ -169,9 +168,8 @@ class TrimSearch {
       const std::size_t c = open[first];
       const double spread = random != nullptr ? kRoundingSpread * random->normal() : 0.0;
       const double wanted = units_[c] * std::exp(real_move(open, first)) + spread;
-      const int last = lowest_[c] + static_cast<int>(places_[c].size()) - 1;
       move(c, nearest_whole<int>(
-                  std::clamp(wanted, static_cast<double>(lowest_[c]), static_cast<double>(last))));
+                  std::clamp(wanted, static_cast<double>(lowest_[c]), static_cast<double>(highest(c)))));
     }
   }
 
@@ -201,106 +199,44 @@ class TrimSearch {
     return solve_ldlt(gram_.bottomRightCorner(count, count), b)(0);
   }
 
-  /// Ends at the best; its cost.
-  double anneal(Random& random) {
-    double cost = smooth_cost(now_);
-    double best = cost;
-    std::vector<int> best_units = units_;
-    TrimPrediction trial;
-    const double cooling = std::pow(kLastTemperature / kFirstTemperature, 1.0 / std::max(1, problem_.steps));
-    double temperature = kFirstTemperature;
-    for (int step = 0; step < problem_.steps; ++step) {
-      temperature *= cooling;
-      const std::size_t a = movable_[random.below(movable_.size())];
-      const std::size_t b = movable_[random.below(movable_.size())];
-      const int to_a = stepped(a, random);
-      const int to_b = stepped(b, random);
-      const bool pair = random.uniform() < 0.7 && a != b && is_place(b, to_b);
-      if (!is_place(a, to_a)) continue;
-      trial = now_;
-      add(a, to_a, trial);
-      if (pair) add(b, to_b, trial);
-      const double here = smooth_cost(trial);
-      if (here > cost && random.uniform() > std::exp((cost - here) / temperature)) continue;
-      std::swap(now_, trial);
-      units_[a] = to_a;
-      if (pair) units_[b] = to_b;
-      cost = here;
-      if (cost < best) {
-        best = cost;
-        best_units = units_;
-      }
-    }
-    reset(best_units);
-    return best;
-  }
-
-  void exchange() {
-    double now = worst_cost(now_);
+  /// The cost that no exchange of one or two capacitors betters.
+  double exchange() {
+    const std::size_t any = movable_.front();
+    double now = cost(now_, any, units_[any], std::numeric_limits<double>::infinity());
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-      const double single = best_single(now);
-      if (single < now) {
-        now = single;
-        continue;
-      }
-      const double pair = best_pair(now);
-      if (!(pair < now)) return;
-      now = pair;
+      Exchange best{now * kBetter, {}};
+      for (const std::size_t c : movable_)
+        each_place(c, kReach, [&](int to) { best.take(cost(now_, c, to, best.cost), {{c, to}}); });
+      if (best.moves.empty()) best_pair(best);
+      if (best.moves.empty()) break;
+      for (const auto& [c, to] : best.moves) move(c, to);
+      now = best.cost;
     }
+    return now;
   }
 
-  double best_single(double now) {
-    double best = now;
-    std::pair<std::size_t, int> which{0, 0};
-    TrimPrediction trial;
-    for (const std::size_t c : movable_) {
-      for (int to = units_[c] - kReach; to <= units_[c] + kReach; ++to) {
-        if (to == units_[c] || !is_place(c, to)) continue;
-        trial = now_;
-        add(c, to, trial);
-        const double here = worst_cost(trial);
-        if (here < best * (1.0 - 1e-9)) {
-          best = here;
-          which = {c, to};
-        }
-      }
-    }
-    if (best < now) move(which.first, which.second);
-    return best;
-  }
-
-  double best_pair(double now) {
-    double best = now;
-    std::pair<std::size_t, int> first{0, 0};
-    std::pair<std::size_t, int> second{0, 0};
-    TrimPrediction one, both;
+  void best_pair(Exchange& best) const {
     for (std::size_t i = 0; i < movable_.size(); ++i) {
       const std::size_t a = movable_[i];
-      for (int to_a = units_[a] - kTrimPairReach; to_a <= units_[a] + kTrimPairReach; ++to_a) {
-        if (to_a == units_[a] || !is_place(a, to_a)) continue;
-        one = now_;
+      each_place(a, kTrimPairReach, [&](int to_a) {
+        TrimPrediction one = now_;
         add(a, to_a, one);
         for (std::size_t j = i + 1; j < movable_.size(); ++j) {
           const std::size_t b = movable_[j];
-          for (int to_b = units_[b] - kTrimPairReach; to_b <= units_[b] + kTrimPairReach; ++to_b) {
-            if (to_b == units_[b] || !is_place(b, to_b)) continue;
-            both = one;
-            add(b, to_b, both);
-            const double here = worst_cost(both);
-            if (here < best * (1.0 - 1e-9)) {
-              best = here;
-              first = {a, to_a};
-              second = {b, to_b};
-            }
-          }
+          each_place(b, kTrimPairReach, [&](int to_b) {
+            best.take(cost(one, b, to_b, best.cost), {{a, to_a}, {b, to_b}});
+          });
         }
-      }
+      });
     }
-    if (best < now) {
-      move(first.first, first.second);
-      move(second.first, second.second);
-    }
-    return best;
+  }
+
+  /// Calls with every other number of units within reach of a capacitor's.
+  template <typename Call>
+  void each_place(std::size_t c, int reach, const Call& call) const {
+    for (int to = std::max(lowest_[c], units_[c] - reach); to <= std::min(highest(c), units_[c] + reach);
+         ++to)
+      if (to != units_[c]) call(to);
   }
 
   const TrimProblem& problem_;

@@ -20,18 +20,14 @@ struct TrimProblem {
   UnitArray array = UnitArray::binary;
   int max_units = 255;
   double reach = 0.25;  ///< how far a capacitor may go from `units`, relative: the prediction is linear
-  int restarts = 12;    ///< of the rounding; 0: from `units`
-  int steps = 5000;     ///< of the annealing after each
   std::uint64_t seed = 1;
 };
 
 /// The best found. Far more sets of whole capacitors lie near the built ones than can be tried, and the
 /// response has few degrees of freedom, so that among them are some whose roundings cancel:
 /// real least squares, the coarsest capacitor rounded (to a random neighbour after the first time), the others
-/// solved again, and so on; simulated annealing from there over single capacitors and pairs (Kirkpatrick,
-/// Gelatt and Vecchi, Science 220 (1983) 671) on a smooth stand-in for the worst error, to which two standard
-/// deviations of what exchanged units add belong; last exchanges of one and two capacitors on the worst error
-/// itself. Same seed, same capacitors.
+/// solved again, and so on, twelve times; from each the best exchange of one capacitor's units, or of two, as long as
+/// there is one. Two standard deviations of what exchanged units add belong to the error. Same seed, same capacitors.
 std::vector<int> search_trim(const TrimProblem& problem);
 
 }  // namespace bodesmith::fpaa

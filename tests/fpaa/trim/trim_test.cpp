@@ -93,7 +93,6 @@ BlindTrim blind_trim(const Plan& plan, const std::vector<Complex>& wanted, const
                      const BlindSetting& setting, std::uint64_t seed, int rounds) {
   TrimOptions options;
   options.array = setting.array;
-  options.search_steps = 3000;
   options.samples = 200;
   Random random(seed);
   const DrawnBoard designed(plan, grid);
@@ -148,18 +147,19 @@ BlindResult blind_boards(const Plan& plan, const BlindSetting& setting, int roun
   return out;
 }
 
-TEST(Trim, BringsBoardsToAQuarterAndNoneFurtherAway) {
+TEST(Trim, BringsBoardsToAFifthAndNoneFurtherAway) {
   using Kind = UnitBoard::Kind;
   for (const Kind kind : {Kind::binary, Kind::nested, Kind::relative}) {
     const BlindResult boards =
         blind_boards(seed_plan(), {.boards = kind == Kind::relative ? 8 : 20, .kind = kind});
-    EXPECT_LT(boards.after_95, 0.25 * boards.before_95);
+    EXPECT_LT(boards.after_95, 0.2 * boards.before_95);
     EXPECT_EQ(boards.worse, 0);
   }
 }
 
+/// Four frequencies leave a second measurement something to tell.
 TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
-  const BlindResult boards = blind_boards(seed_plan(), {.boards = 5, .seed = 700}, 2);
+  const BlindResult boards = blind_boards(seed_plan(), {.boards = 5, .points = 4, .seed = 700}, 2);
   EXPECT_LT(boards.again_95, boards.after_95);
   EXPECT_LT(boards.again_95, 0.3 * boards.before_95);
 }
@@ -168,16 +168,16 @@ TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
 TEST(Trim, HelpsPlansOfSeveralClocksToo) {
   const Plan plan = plan_of(seed_sections());
   const BlindResult boards = blind_boards(plan, {.boards = 5, .noise = 1e-4, .seed = 500});
-  EXPECT_LT(boards.after_95, 0.7 * boards.before_95);
+  EXPECT_LT(boards.after_95, 0.3 * boards.before_95);
   EXPECT_EQ(boards.worse, 0);
 }
 
 TEST(Trim, FewFrequenciesAndMagnitudesAloneHelpToo) {
   const BlindResult few = blind_boards(seed_plan(), {.points = 5, .seed = 2000});
-  EXPECT_LT(few.after_95, 0.35 * few.before_95);
+  EXPECT_LT(few.after_95, 0.25 * few.before_95);
   EXPECT_EQ(few.worse, 0);
   const BlindResult magnitudes = blind_boards(seed_plan(), {.with_phase = false, .seed = 3000});
-  EXPECT_LT(magnitudes.after_95, 0.45 * magnitudes.before_95);
+  EXPECT_LT(magnitudes.after_95, 0.3 * magnitudes.before_95);
   EXPECT_EQ(magnitudes.worse, 0);
 }
 

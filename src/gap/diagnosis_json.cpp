@@ -8,12 +8,17 @@
 namespace bodesmith::gap {
 namespace {
 
+/// JSON has no infinity: of a model that runs away on a record.
+Json finite_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
 Json json_of(const GapSize& s) {
-  return {{"train_rms", s.train_rms},
-          {"holdout_rms", s.holdout_rms},
-          {"holdout_percent_of_range", s.holdout_percent_of_range},
-          {"train_whole_record_rms", s.train_whole_rms},
-          {"holdout_whole_record_rms", s.holdout_whole_rms}};
+  return {{"train_rms", finite_or_null(s.train_rms)},
+          {"holdout_rms", finite_or_null(s.holdout_rms)},
+          {"holdout_percent_of_range", finite_or_null(s.holdout_percent_of_range)},
+          {"train_whole_record_rms", finite_or_null(s.train_whole_rms)},
+          {"holdout_whole_record_rms", finite_or_null(s.holdout_whole_rms)}};
 }
 
 Json json_of(const std::vector<Cell>& cells) {
@@ -27,11 +32,6 @@ Json json_of(const std::vector<Cell>& cells) {
     if (c.axis == Axis::amplitude) all.back()["of"] = c.of_output ? "output" : "input";
   }
   return all;
-}
-
-/// JSON has no infinity: of a model that runs away on a record.
-Json finite_or_null(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 Json json_of(const Ranked& r) {
@@ -71,10 +71,10 @@ Json json_of(const DiagnosedStep& s) {
           {"also_placed", s.also_placed},
           {"part", s.part},
           {"parameters", parameters},
-          {"holdout_rms_before", s.before.holdout_rms},
-          {"holdout_rms_after", s.after.holdout_rms},
-          {"train_rms_before", s.before.train_rms},
-          {"train_rms_after", s.after.train_rms},
+          {"holdout_rms_before", finite_or_null(s.before.holdout_rms)},
+          {"holdout_rms_after", finite_or_null(s.after.holdout_rms)},
+          {"train_rms_before", finite_or_null(s.before.train_rms)},
+          {"train_rms_after", finite_or_null(s.after.train_rms)},
           {"probability", s.probability},
           {"runner_up", json_of(s.runner_up)}};
 }

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "gap/effect.hpp"
+#include "gap/evidence/posterior.hpp"
 #include "gap/evidence/score.hpp"
 #include "gap/model/model_fit.hpp"
 #include "gap/scene.hpp"
@@ -72,6 +74,19 @@ TEST(Evidence, slowNoiseIsNoDrift) {
   auto line = std::get<gap::TimeExperiment>(record_with_noise(0.05, 3).front()).record();
   for (std::size_t i = 0; i < line.size(); ++i) line.y[i] += static_cast<double>(i) / kSamples;
   EXPECT_GT(gain_of_drift({gap::TimeExperiment(line)}), 15.0);
+}
+
+// Without the limit the spring's model runs away: what cannot be run has no evidence, and the name is sure.
+TEST(Evidence, aModelThatCannotBeRunIsNoRival) {
+  gap::SearchResult result;
+  gap::Step step;
+  step.effect = &gap::effect_registry().get("slew_limit");
+  step.log_evidence_without = -std::numeric_limits<double>::infinity();
+  result.steps = {step};
+  const auto posterior = gap::posterior_of(result);
+  EXPECT_EQ(posterior.among_names.front(), 1.0);
+  ASSERT_EQ(posterior.alternatives.size(), 1U);
+  EXPECT_EQ(posterior.alternatives.front().probability, 1.0);
 }
 
 }  // namespace

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 
+#include "chain/registry.hpp"
 #include "gap/cases/signals.hpp"
 #include "gap/cases/stages.hpp"
 #include "gap/cases/time_base.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/effect.hpp"
 #include "gap/runner.hpp"
+#include "gap/scene.hpp"
 #include "gap/search.hpp"
 #include "made_response.hpp"
 
@@ -88,6 +91,28 @@ TEST(ParallelModesInResponse, AModeTakenOutLeavesTheOthersWhereTheyAre) {
   EXPECT_EQ(sum, 1.0);
   model.remove(0);
   EXPECT_EQ(model.chain().blocks.size(), 1U);
+}
+
+TEST(ParallelModesInResponse, StandBesideTheResonatorWhateverCameBetween) {
+  const auto h = [](double hz) {
+    return 2.0 * made::mode(hz, 120.0, 0.02) - 0.3 * made::mode(hz, 330.0, 0.04);
+  };
+  const gap::Experiments train = {gap::FrequencyExperiment(made::measured(
+      h, 5.0, 1000.0, 60, [](double) { return 0.01; }, 5))};
+  const auto& effect = gap::effect_registry().get("parallel_mode");
+  std::vector<gap::Proposal> proposals;
+  effect.propose(gap::make_scene(gap::Model(mode_alone()), train), proposals);
+  const auto beside = std::find_if(proposals.begin(), proposals.end(), [](const gap::Proposal& p) {
+    return p.model.terms().front().placed == "beside block 1";
+  });
+  ASSERT_NE(beside, proposals.end());
+  gap::Model model = beside->model;
+  model.insert(1, chain::make_block("gain"));
+  proposals.clear();
+  effect.propose(gap::make_scene(model, train), proposals);
+  ASSERT_EQ(proposals.size(), 1U);
+  const auto blocks = proposals.front().model.chain().blocks;
+  EXPECT_EQ(blocks[2].get("beside_hz"), blocks[0].get("natural_frequency_hz"));
 }
 
 /// Of a stage whose sensor sees its second mode the other way round.

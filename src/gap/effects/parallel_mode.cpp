@@ -155,10 +155,12 @@ class ParallelMode final : public Effect {
     const auto& block = scene.model->at(at);
     return block.has("natural_frequency_hz") && block.has("damping_ratio") && scene.linear(at);
   }
-  /// The resonator in front of a block of this effect that stands beside one.
+  /// The base model's resonator that a block of this effect stands beside: other terms may have come between the two.
   static std::optional<int> resonator_beside(const Model& model, int block) {
-    if (!(model.at(model.position_of(block)).get("beside_hz") > 0.0)) return std::nullopt;
-    return model.id_at(model.position_of(block) - 1);
+    std::size_t at = model.position_of(block);
+    if (!(model.at(at).get("beside_hz") > 0.0)) return std::nullopt;
+    while (!model.is_base(at)) --at;
+    return model.id_at(at);
   }
 
   void add_block(const Scene& scene, std::size_t at, std::optional<int> resonator, const std::string& placed,

@@ -23,10 +23,14 @@ std::map<std::string, double> names_of_step(const Step& step) {
   for (const auto& r : step.ranking) {
     if (is_name(r)) most = std::max(most, r.log_evidence);
   }
+  // A model that cannot be run has no evidence.
+  const auto odds = [&](double evidence) {
+    return std::isfinite(evidence) ? std::exp(evidence - most) : 0.0;
+  };
   std::map<std::string, double> held;
-  held[""] = std::exp(step.log_evidence_without - most);
+  held[""] = odds(step.log_evidence_without);
   for (const auto& r : step.ranking) {
-    if (is_name(r)) held[std::string(r.effect->name())] += std::exp(r.log_evidence - most);
+    if (is_name(r)) held[std::string(r.effect->name())] += odds(r.log_evidence);
   }
   const std::string own(step.effect->name());
   if (held.count(own) == 0) held[own] = 1.0;

@@ -106,8 +106,10 @@ void Model::remove(std::size_t term) {
   write_readers();
 }
 
-void Model::move_last_term(std::size_t place) {
-  std::rotate(terms_.begin() + static_cast<std::ptrdiff_t>(place), terms_.end() - 1, terms_.end());
+void Model::move_term(std::size_t from, std::size_t to) {
+  Term term = std::move(terms_[from]);
+  terms_.erase(terms_.begin() + static_cast<std::ptrdiff_t>(from));
+  terms_.insert(terms_.begin() + static_cast<std::ptrdiff_t>(to), std::move(term));
 }
 
 std::vector<int> Model::line_blocks() const {

@@ -95,8 +95,7 @@ class Model {
   std::size_t end() const;
   void add(Term term);
   void remove(std::size_t term);
-  /// The last term becomes number `place`.
-  void move_last_term(std::size_t place);
+  void move_term(std::size_t from, std::size_t to);
   void set_log_prior(std::size_t term, double value) { terms_[term].log_prior = value; }
   /// Place of a term's first unknown among the model's.
   std::size_t first_unknown_of(std::size_t term) const;

@@ -107,7 +107,9 @@ std::string advice_for(const Diagnosis& d, const Study& study) {
     advice.emplace_back(
         d.steps.empty()
             ? "The held-out records disagree: something acts in them that the training records do not show; train on one of them, too."
-            : "The held-out records disagree: what was found on the training records serves them badly.");
+        : std::isfinite(d.final.holdout_rms)
+            ? "The held-out records disagree: what was found on the training records serves them badly."
+            : "The held-out records disagree: on them the extended model's output grows without bound.");
   }
   for (const auto& note : d.search.notes) advice.push_back(note + ".");
   return join(advice, " ");

@@ -1,5 +1,7 @@
 #include "gap/report/files.hpp"
 
+#include <cmath>
+
 #include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
@@ -16,6 +18,11 @@ chain::Chain found_model(const Diagnosis& diagnosis, const chain::Chain& base) {
   if (trained.training_rms > 0.0)
     trained.training_percent *= diagnosis.final.train_rms / trained.training_rms;
   trained.training_rms = diagnosis.final.train_rms;
+  if (!std::isfinite(diagnosis.final.holdout_rms)) {
+    trained.holdout_rms.reset();
+    trained.holdout_percent.reset();
+    return out;
+  }
   trained.holdout_rms = diagnosis.final.holdout_rms;
   trained.holdout_percent = diagnosis.final.holdout_percent_of_range;
   return out;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "base/text.hpp"
@@ -47,7 +48,7 @@ void add_verdict(report::Page& page, const Diagnosis& d) {
       {{in_words(to_string(d.verdict)), "verdict"},
        {rms_text(d, d.refitted.holdout_rms), "held-out rms, base model refitted"},
        {rms_text(d, d.final.holdout_rms), "held-out rms, extended model"},
-       {fmt::format("{:.1f} %", closed), "of the held-out rms removed"},
+       {std::isfinite(closed) ? fmt::format("{:.1f} %", closed) : "none", "of the held-out rms removed"},
        {floor_known ? rms_text(d, d.floor.rms) : "unknown",
         floor_known ? "noise floor (" + in_words(to_string(d.floor.source)) + ")" : "noise floor"}});
   for (const auto& s : d.steps) page.paragraph(step_in_words(s));

@@ -1,8 +1,11 @@
 #include "gap/report/size.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 
+#include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "gap/runner.hpp"
 #include "numeric/parallel_for.hpp"
@@ -16,17 +19,6 @@ namespace {
 
 /// A start stands out under the final model when its residual is this much larger than the rest's.
 constexpr double kStartStandsOut = 1.5;
-
-/// Residual of one record from its first to its last sample, as `simulate` makes it.
-std::vector<double> whole_residual(const Model& model, const TimeExperiment& experiment) {
-  simulate::Options options;
-  options.estimate_error = false;
-  const auto& record = experiment.record();
-  const auto result = simulate::simulate(model.chain(), record, options);
-  std::vector<double> e(experiment.end());
-  for (std::size_t i = 0; i < e.size(); ++i) e[i] = record.y[i] - result.y[i];
-  return e;
-}
 
 std::vector<double> whole_residual(const Model& model, const FrequencyExperiment& experiment) {
   auto e = residuals_of(model, {experiment});
@@ -51,6 +43,20 @@ std::vector<Cell> where_in(const FrequencyExperiment& experiment, const std::vec
 }
 
 }  // namespace
+
+std::vector<double> whole_residual(const Model& model, const TimeExperiment& experiment) {
+  simulate::Options options;
+  options.estimate_error = false;
+  const auto& record = experiment.record();
+  std::vector<double> e(experiment.end(), std::numeric_limits<double>::infinity());
+  try {
+    const auto result = simulate::simulate(model.chain(), record, options);
+    for (std::size_t i = 0; i < e.size(); ++i) e[i] = record.y[i] - result.y[i];
+  } catch (const InputError&) {
+    if (model.terms().empty()) throw;
+  }
+  return e;
+}
 
 std::vector<std::span<const double>> GapMeter::residuals(const Model& model, const Experiments& experiments,
                                                          bool own_lines) const {
@@ -124,6 +130,7 @@ std::vector<Cell> GapMeter::where(const Model& model) const {
   const auto all = residuals(model, study_.holdout(), true);
   const auto largest = static_cast<std::size_t>(
       std::max_element(all.begin(), all.end(), [](auto a, auto b) { return rms(a) < rms(b); }) - all.begin());
+  if (!std::isfinite(rms(all[largest]))) return {};
   return std::visit(
       [&](const auto& kind) {
         return where_in(kind, {all[largest].begin(), all[largest].end()}, holdout_from_[largest]);

@@ -13,7 +13,7 @@
 
 namespace bodesmith::gap {
 
-/// The sizes of a gap. Every figure is what `simulate` finds with the model.toml of that stage.
+/// The sizes of a gap. Every figure is what `simulate` finds with the model.toml of that stage; infinite where that runs away.
 struct GapSize {
   double train_rms = 0.0;
   double holdout_rms = 0.0;
@@ -29,6 +29,10 @@ struct ScoredFrom {
   double from_s = 0.0;
 };
 
+/// y - y_model of one record from its first to its last sample, as `simulate` makes it: infinite where an extended model runs away. Of the
+/// base model that is an InputError: its file is wrong.
+std::vector<double> whole_residual(const Model& model, const TimeExperiment& experiment);
+
 /// Sizes of gaps of one study, all measured over the same samples: from the first one on, unless a record's
 /// start stands out even under the final model.
 class GapMeter {
@@ -38,7 +42,7 @@ class GapMeter {
   GapSize size(const Model& model) const;
   /// The same of the held-out records alone.
   double holdout_rms(const Model& model) const;
-  /// Where the gap of the held-out record with the largest gap lies.
+  /// Where the gap of the held-out record with the largest gap lies; nowhere when the model runs away on it.
   std::vector<Cell> where(const Model& model) const;
   /// y - y_model of one held-out record over the samples that are scored, lines of the mains as size() takes them.
   std::span<const double> holdout_residual(const Model& model, std::size_t record) const;

@@ -8,7 +8,6 @@
 #include "report/plot.hpp"
 #include "report/script_data.hpp"
 #include "signal/periodogram.hpp"
-#include "simulate/simulate.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -51,14 +50,12 @@ struct BeforeAndAfter {
 
 BeforeAndAfter simulate_both(const Diagnosis& d, const TimeExperiment& e) {
   BeforeAndAfter s{e.record(), e.first(), {}, {}, {}, {}, {}};
-  simulate::Options options;
-  options.estimate_error = false;
-  s.before = simulate::simulate(d.search.base.chain(), e.record(), options).y;
-  s.after = simulate::simulate(d.search.final.chain(), e.record(), options).y;
+  s.residual_before = whole_residual(d.search.base, e);
+  s.residual_after = whole_residual(d.search.final, e);
   for (std::size_t i = 0; i < e.record().size(); ++i) {
     s.time.push_back(e.record().time_s(i));
-    s.residual_before.push_back(e.record().y[i] - s.before[i]);
-    s.residual_after.push_back(e.record().y[i] - s.after[i]);
+    s.before.push_back(e.record().y[i] - s.residual_before[i]);
+    s.after.push_back(e.record().y[i] - s.residual_after[i]);
   }
   return s;
 }

@@ -79,6 +79,19 @@ PlacedSet with_candidate(const PlacedSet& set, const Ranked& candidate, std::vec
   return more;
 }
 
+/// One of a set's names as a candidate beside the others.
+Ranked as_it_stands(const PlacedSet& set, std::size_t term, double score) {
+  Ranked r;
+  r.effect = set.model.terms()[term].effect;
+  r.placed = set.model.terms()[term].placed;
+  r.model = set.model;
+  r.model.move_term(term, count_of(set) - 1);
+  r.score = score;
+  r.train_rms = set.train_rms;
+  r.log_evidence = set.log_evidence;
+  return r;
+}
+
 /// Takes out every name without which the evidence is greater, or which takes too little: what has most unknowns first.
 PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
   for (bool again = true; again && count_of(set) > 0 && !setting.options.is_late();) {
@@ -123,12 +136,12 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     if (!tried.insert(names).second) continue;
     weigh(records, others);
     auto ranking = successors_of(setting, records, *set.model.terms()[k].effect, others.model);
-    // Of its own name what stands is known, too: the new fit beside the others may have stopped short of it.
-    const auto own = std::find_if(ranking.begin(), ranking.end(),
-                                  [&](const Ranked& r) { return r.effect == set.model.terms()[k].effect; });
-    if (own != ranking.end() && own->log_evidence < set.log_evidence) {
-      own->log_evidence = set.log_evidence;
-      own->train_rms = set.train_rms;
+    // Of its own name what stands is known, too: the new fit beside the others may have stopped short of it, or could not begin.
+    auto own = std::find_if(ranking.begin(), ranking.end(),
+                            [&](const Ranked& r) { return r.effect == set.model.terms()[k].effect; });
+    if (own == ranking.end() || own->log_evidence < set.log_evidence) {
+      if (own == ranking.end()) own = ranking.emplace(own);
+      *own = as_it_stands(set, k, own->score);
       std::stable_sort(ranking.begin(), ranking.end(), more_evident);
     }
     const auto* best = best_of(setting, records, others.model, ranking);
@@ -137,7 +150,7 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     auto other = with_candidate(others, *best, ranking);
     // The same name again is what stands at better values, or at another place.
     if (best->effect == set.model.terms()[k].effect) {
-      other.model.move_last_term(k);
+      other.model.move_term(count_of(other) - 1, k);
       std::rotate(other.rivals.begin() + static_cast<std::ptrdiff_t>(k), other.rivals.end() - 1,
                   other.rivals.end());
     } else {

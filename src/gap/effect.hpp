@@ -12,11 +12,10 @@ namespace bodesmith::gap {
 
 /// What there is to say of an effect beforehand.
 struct EffectFacts {
-  std::string_view name;                        ///< as in the contract's table
-  std::string_view what;                        ///< a sentence for the report: what it does to a signal
-  std::vector<std::string_view> confused_with;  ///< effects that leave much the same traces
-  std::string_view experiment;                  ///< that tells it from those
-  bool linear = false;                          ///< shows in a frequency response
+  std::string_view name;        ///< as in the contract's table
+  std::string_view what;        ///< a sentence for the report: what it does to a signal
+  std::string_view experiment;  ///< that tells it from those
+  bool linear = false;          ///< shows in a frequency response
   /// Need not repeat when the input repeats: it may be missing even where all that repeats is explained.
   bool independent_of_input = false;
   /// What it adds has a size and no form (a corner, a frequency, a limit) by which it could fit what is only chance.
@@ -53,12 +52,6 @@ class Effect {
  private:
   EffectFacts facts_;
 };
-
-/// Whether the one says that it leaves much the same traces as the other.
-inline bool is_confused_with(const Effect& effect, const Effect& other) {
-  const auto& names = effect.facts().confused_with;
-  return std::find(names.begin(), names.end(), other.name()) != names.end();
-}
 
 /// All of them, in the order of the documentation.
 Registry<Effect>& effect_registry();

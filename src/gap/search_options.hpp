@@ -77,7 +77,6 @@ struct BoundOptions {
 /// Two effects that hide each other [5]: what each effect promises beside each of a few first names.
 struct PairOptions {
   std::size_t firsts = 8;
-  std::size_t alike = 2;    ///< of them that leave all but the same
   std::size_t seconds = 4;  ///< beside each
   std::size_t fits = 20;    ///< of the pairs that promise most
   std::size_t best = 3;     ///< of them that are gone on from

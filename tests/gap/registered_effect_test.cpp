@@ -24,7 +24,6 @@ class SixthPower final : public gap::Effect {
   SixthPower()
       : Effect({.name = "sixth_power",
                 .what = "a curve that bends up at both ends",
-                .confused_with = {"quadratic_nonlinearity"},
                 .experiment = "a slow ramp to the ends of the range"}) {}
   /// It stays registered, so it keeps out of the other tests of this program.
   bool proposes = false;

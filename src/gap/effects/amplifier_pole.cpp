@@ -12,7 +12,6 @@ class AmplifierPole final : public Effect {
       : Effect(
             {.name = "amplifier_pole",
              .what = "a first-order lag",
-             .confused_with = {"time_delay", "opamp_bandwidth", "slew_limit", "rate_dependence"},
              .experiment =
                  "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
                  "a pole does not)",

@@ -16,7 +16,6 @@ class AsymmetricHysteresis final : public Effect {
   AsymmetricHysteresis()
       : Effect({.name = "asymmetric_hysteresis",
                 .what = "memory whose ascending and descending branches differ",
-                .confused_with = {"hysteresis", "quadratic_nonlinearity", "cubic_nonlinearity"},
                 .experiment = "loops of several amplitudes about several biases"}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.memory_places()) {

@@ -9,7 +9,6 @@ class Backlash final : public Effect {
   Backlash()
       : Effect({.name = "backlash",
                 .what = "play of constant width",
-                .confused_with = {"hysteresis", "dead_zone", "time_delay"},
                 .experiment =
                     "loops of two amplitudes at two frequencies: play has one width at all of them"}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

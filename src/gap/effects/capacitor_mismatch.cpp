@@ -12,7 +12,6 @@ class CapacitorMismatch final : public Effect {
   CapacitorMismatch()
       : Effect({.name = "capacitor_mismatch",
                 .what = "a section's pole or zero is shifted by its capacitor ratio",
-                .confused_with = {"opamp_bandwidth", "gain_error"},
                 .experiment = "the section alone, measured across its corner",
                 .linear = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

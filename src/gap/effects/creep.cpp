@@ -72,7 +72,6 @@ class Creep final : public Effect {
   Creep()
       : Effect({.name = "creep",
                 .what = "slow relaxation, logarithmic or of several time constants",
-                .confused_with = {"drift", "rate_dependence", "hysteresis"},
                 .experiment = "a long record after one step",
                 .linear = true,
                 .independent_of_input = true,

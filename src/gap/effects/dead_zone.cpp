@@ -14,7 +14,6 @@ class DeadZone final : public Effect {
   DeadZone()
       : Effect({.name = "dead_zone",
                 .what = "no response near zero",
-                .confused_with = {"backlash", "cubic_nonlinearity", "gain_error", "offset"},
                 .experiment = "a small drive around zero: a dead zone passes nothing"}) {}
   /// Of a signal that stays on one side it takes off a constant.
   bool is_implausible(const Model& model, const Scene& scene) const override {

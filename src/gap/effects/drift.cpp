@@ -9,7 +9,6 @@ class Drift final : public Effect {
   Drift()
       : Effect({.name = "drift",
                 .what = "the output moves slowly and linearly with time",
-                .confused_with = {"creep", "offset"},
                 .experiment = "a record at rest, without drive: drift goes on",
                 .independent_of_input = true,
                 .adds_one_signal = true}) {}

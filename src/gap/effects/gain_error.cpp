@@ -9,7 +9,6 @@ class GainError final : public Effect {
   GainError()
       : Effect({.name = "gain_error",
                 .what = "a static gain differs",
-                .confused_with = {"multiplier_error", "saturation"},
                 .experiment = "a static gain test at several input levels",
                 .linear = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

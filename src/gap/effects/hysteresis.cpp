@@ -19,7 +19,6 @@ class Hysteresis final : public Effect {
       : Effect(
             {.name = "hysteresis",
              .what = "rate-independent memory",
-             .confused_with = {"backlash", "creep", "time_delay", "rate_dependence"},
              .experiment =
                  "loops of several amplitudes at two frequencies: memory keeps its loop when the frequency changes"}) {
   }

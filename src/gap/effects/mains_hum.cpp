@@ -94,7 +94,6 @@ class MainsHum final : public Effect {
   MainsHum()
       : Effect({.name = "mains_hum",
                 .what = "a sinusoid of the mains is added",
-                .confused_with = {"resonance"},
                 .experiment = "a record without drive: hum stays",
                 .independent_of_input = true,
                 .repeatable = true}) {}

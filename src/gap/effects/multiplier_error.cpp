@@ -78,7 +78,6 @@ class MultiplierError final : public Effect {
   MultiplierError()
       : Effect({.name = "multiplier_error",
                 .what = "scale, feedthrough or offset of a multiplier in the chain",
-                .confused_with = {"gain_error", "quadratic_nonlinearity", "offset"},
                 .experiment = "the disturbance generator alone, swept from end to end",
                 .places_a_round = 4}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

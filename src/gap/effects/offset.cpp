@@ -9,7 +9,6 @@ class Offset final : public Effect {
   Offset()
       : Effect({.name = "offset",
                 .what = "a constant is added",
-                .confused_with = {"quadratic_nonlinearity", "quadratic_stiffness", "drift"},
                 .experiment =
                     "the same drive at two amplitudes: an offset stays, a curvature grows with the square",
                 .adds_one_signal = true,

@@ -39,7 +39,6 @@ class OpampBandwidth final : public Effect {
   OpampBandwidth()
       : Effect({.name = "opamp_bandwidth",
                 .what = "finite gain-bandwidth of a section's op-amp",
-                .confused_with = {"amplifier_pole", "time_delay", "capacitor_mismatch"},
                 .experiment = "the section alone, measured a decade higher",
                 .linear = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

@@ -74,7 +74,6 @@ class ParallelMode final : public Effect {
       : Effect(
             {.name = "parallel_mode",
              .what = "a second-order mode beside the path, of either sign",
-             .confused_with = {"resonance", "time_delay"},
              .experiment =
                  "a sweep through the suspected frequency and the zero beside it, and the same with the sensor elsewhere",
              .linear = true,

@@ -8,8 +8,6 @@ class PartValue final : public Effect {
   PartValue()
       : Effect({.name = "part_value",
                 .what = "a part of a block is off its value",
-                .confused_with = {"multiplier_error", "quadratic_nonlinearity", "cubic_nonlinearity",
-                                  "asymmetric_hysteresis"},
                 .experiment = "one end of the part lifted, and the part measured",
                 .places_a_round = 6}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

@@ -18,7 +18,6 @@ class RateDependence final : public Effect {
   RateDependence()
       : Effect({.name = "rate_dependence",
                 .what = "the gain changes with frequency by a fractional order",
-                .confused_with = {"amplifier_pole", "creep", "time_delay"},
                 .experiment = "a sweep over more decades",
                 .linear = true}) {}
   /// With corners close together it is one relaxation. Between its corners the gain falls like that of logarithmic creep with these time constants.

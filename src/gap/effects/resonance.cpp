@@ -14,7 +14,6 @@ class Resonance final : public Effect {
   Resonance()
       : Effect({.name = "resonance",
                 .what = "a second-order mode",
-                .confused_with = {"amplifier_pole", "time_delay"},
                 .experiment = "a sweep through the suspected frequency",
                 .linear = true,
                 .repeatable_in_response = true}) {}

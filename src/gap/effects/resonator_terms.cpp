@@ -55,7 +55,6 @@ const Effect& cubic_stiffness_effect() {
   static const ResonatorTerm effect(
       {.name = "cubic_stiffness",
        .what = "a cubic term in a resonator's spring",
-       .confused_with = {"cubic_nonlinearity", "saturation", "drag"},
        .experiment = "sweeps at two amplitudes: a spring moves the resonance, a static curve does not"},
       "cubic", [](std::string key, const chain::Block&, const Signal& deflection) {
         return spring_range(std::move(key), 0.1 / (deflection.size() * deflection.size()));
@@ -67,7 +66,6 @@ const Effect& quadratic_stiffness_effect() {
   static const ResonatorTerm effect(
       {.name = "quadratic_stiffness",
        .what = "a quadratic term in a resonator's spring",
-       .confused_with = {"offset", "quadratic_nonlinearity"},
        .experiment =
            "the same drive with two biases: a quadratic spring moves the resonance with the bias, an offset does not"},
       "quadratic", [](std::string key, const chain::Block&, const Signal& deflection) {
@@ -80,7 +78,6 @@ const Effect& drag_effect() {
   static const ResonatorTerm effect(
       {.name = "drag",
        .what = "damping in proportion to |v| v inside a resonator",
-       .confused_with = {"cubic_stiffness"},
        .experiment = "ring-downs from two amplitudes: drag damps the larger one more"},
       "drag", drag_range);
   return effect;

@@ -18,7 +18,6 @@ class RightHalfPlaneZero final : public Effect {
   RightHalfPlaneZero()
       : Effect({.name = "right_half_plane_zero",
                 .what = "a zero in the right half-plane: a step begins the wrong way",
-                .confused_with = {"time_delay", "sample_hold", "parallel_mode"},
                 .experiment =
                     "a sweep to higher frequencies: the phase of a zero comes to an end, a delay's does not",
                 .linear = true,

@@ -27,7 +27,6 @@ class SampleHold final : public Effect {
   SampleHold()
       : Effect({.name = "sample_hold",
                 .what = "a clocked hold: droop and half a cycle of delay",
-                .confused_with = {"time_delay", "amplifier_pole"},
                 .experiment = "a faster clock, or a record sampled much faster than it",
                 .linear = true,
                 .starts_from_residual = true,

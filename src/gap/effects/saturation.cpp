@@ -12,7 +12,6 @@ class Saturation final : public Effect {
   Saturation()
       : Effect({.name = "saturation",
                 .what = "the amplitude is limited",
-                .confused_with = {"cubic_nonlinearity", "gain_error", "quadratic_nonlinearity"},
                 .experiment = "a slow ramp to the ends of the range: a limit is flat",
                 .places_a_round = 5}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

@@ -24,7 +24,6 @@ class SlewLimit final : public Effect {
   SlewLimit()
       : Effect({.name = "slew_limit",
                 .what = "the rate of change is limited",
-                .confused_with = {"amplifier_pole", "saturation", "opamp_bandwidth"},
                 .experiment = "the same step at two amplitudes: the ramp's slope stays"}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.static_places()) {

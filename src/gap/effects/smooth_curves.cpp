@@ -36,20 +36,14 @@ constexpr const char* kExperiment = "the same drive at two amplitudes with and w
 }  // namespace
 
 const Effect& quadratic_nonlinearity_effect() {
-  static const SmoothCurve effect({.name = "quadratic_nonlinearity",
-                                   .what = "a smooth even static curve",
-                                   .confused_with = {"offset", "quadratic_stiffness", "saturation"},
-                                   .experiment = kExperiment},
-                                  2);
+  static const SmoothCurve effect(
+      {.name = "quadratic_nonlinearity", .what = "a smooth even static curve", .experiment = kExperiment}, 2);
   return effect;
 }
 
 const Effect& cubic_nonlinearity_effect() {
-  static const SmoothCurve effect({.name = "cubic_nonlinearity",
-                                   .what = "a smooth odd static curve",
-                                   .confused_with = {"saturation", "cubic_stiffness", "dead_zone"},
-                                   .experiment = kExperiment},
-                                  3);
+  static const SmoothCurve effect(
+      {.name = "cubic_nonlinearity", .what = "a smooth odd static curve", .experiment = kExperiment}, 3);
   return effect;
 }
 

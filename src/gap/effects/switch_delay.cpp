@@ -15,7 +15,6 @@ class SwitchDelay final : public Effect {
       : Effect(
             {.name = "switch_delay",
              .what = "the branch switch acts late",
-             .confused_with = {"time_delay", "backlash"},
              .experiment =
                  "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both"}) {}
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {

@@ -9,7 +9,6 @@ class TimeDelay final : public Effect {
   TimeDelay()
       : Effect({.name = "time_delay",
                 .what = "the signal arrives later",
-                .confused_with = {"amplifier_pole", "sample_hold", "rate_dependence"},
                 .experiment = "a sweep to higher frequencies: a pole loses gain, a delay does not",
                 .linear = true}) {}
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {

@@ -135,7 +135,7 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     names.insert("without " + std::string(set.model.terms()[k].effect->name()));
     if (!tried.insert(names).second) continue;
     weigh(records, others);
-    auto ranking = successors_of(setting, records, *set.model.terms()[k].effect, others.model);
+    auto ranking = successors_of(setting, records, others.model);
     // Of its own name what stands is known, too: the new fit beside the others may have stopped short of it, or could not begin.
     auto own = std::find_if(ranking.begin(), ranking.end(),
                             [&](const Ranked& r) { return r.effect == set.model.terms()[k].effect; });
@@ -236,7 +236,7 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
 void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
   const auto& options = setting.options;
   std::set<std::multiset<std::string>> came_to = {names_of(beam.best.model)};
-  for (auto& pair : pairs_beside(setting, base.records, base.best.model, base.first)) {
+  for (auto& pair : pairs_beside(setting, base.records, base.first)) {
     if (options.is_late()) return;
     // With one more name than the best set has it was looked at.
     const auto names = names_of(pair.second.model);

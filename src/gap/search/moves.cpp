@@ -43,35 +43,22 @@ bool are_alike(const std::vector<double>& a, const std::vector<double>& b) {
   return ab > kAlike * rms(a) * rms(b) * static_cast<double>(a.size());
 }
 
-/// First names for pairs: besides those of the first round the effects that add one signal, whatever they promise alone (a
-/// constant and a line may each leave as much as before without the other). The best of every effect; of those that leave the
-/// same (many lags) the best few.
+/// First names for pairs: the best of every effect, and of those that leave the same (many lags) the best.
 std::vector<Ranked> firsts_among(const SearchSetting& setting, const SearchRecords& records,
-                                 const Model& before, std::vector<Ranked> ranking) {
-  const auto& options = setting.options.pairs;
-  std::set<const Effect*> there;
-  for (const auto& r : ranking) there.insert(r.effect);
-  auto more =
-      fit_round(
-          setting, records, before,
-          [&](const Effect& effect) { return effect.facts().adds_one_signal && there.count(&effect) == 0; },
-          0.0)
-          .ranking;
-  std::move(more.begin(), more.end(), std::back_inserter(ranking));
+                                 std::vector<Ranked> ranking) {
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
   std::vector<Ranked> firsts;
   std::vector<std::vector<double>> left;
   std::set<const Effect*> effects;
   for (auto& r : ranking) {
-    if (firsts.size() >= options.firsts) break;
+    if (firsts.size() >= setting.options.pairs.firsts) break;
     if (r.outcome == CandidateOutcome::no_name || effects.count(r.effect) != 0) continue;
     auto residuals = residuals_of(r.model, records.train);
-    const auto alike = static_cast<std::size_t>(std::count_if(
-        left.begin(), left.end(), [&](const auto& other) { return are_alike(residuals, other); }));
-    if (alike >= options.alike) continue;
+    if (std::any_of(left.begin(), left.end(), [&](const auto& other) { return are_alike(residuals, other); }))
+      continue;
     effects.insert(r.effect);
-    firsts.push_back(r);
+    firsts.push_back(std::move(r));
     left.push_back(std::move(residuals));
   }
   return firsts;
@@ -159,21 +146,10 @@ const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records
 }
 
 std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
-                                  const Effect& effect, const Model& without) {
+                                  const Model& without) {
   SearchOptions few = setting.options;
   few.round.effects = few.round.successors;
-  const SearchSetting narrow{few, setting.initial, setting.first_gap};
-  auto ranking = fit_round(narrow, records, without).ranking;
-  std::set<const Effect*> done;
-  for (const auto& r : ranking) done.insert(r.effect);
-  auto relatives =
-      fit_round(narrow, records, without, [&](const Effect& other) {
-        return done.count(&other) == 0 &&
-               (&other == &effect || is_confused_with(effect, other) || is_confused_with(other, effect));
-      }).ranking;
-  std::move(relatives.begin(), relatives.end(), std::back_inserter(ranking));
-  std::stable_sort(ranking.begin(), ranking.end(), more_evident);
-  return ranking;
+  return fit_round({few, setting.initial, setting.first_gap}, records, without).ranking;
 }
 
 bool could_be_fewer(const Model& model) {
@@ -185,9 +161,9 @@ bool could_be_fewer(const Model& model) {
 }
 
 std::vector<std::pair<Ranked, Ranked>> pairs_beside(const SearchSetting& setting,
-                                                    const SearchRecords& records, const Model& before,
+                                                    const SearchRecords& records,
                                                     const std::vector<Ranked>& first) {
-  const auto firsts = firsts_among(setting, records, before, first);
+  const auto firsts = firsts_among(setting, records, first);
   const auto seconds = seconds_beside(setting, records, firsts);
   if (seconds.empty() || setting.options.is_late()) return {};
   std::vector<std::pair<Ranked, Ranked>> pairs;

@@ -22,9 +22,9 @@ bool term_is_no_name(const Model& model, std::size_t term, const Experiments& tr
 const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records, const Model& without,
                       std::vector<Ranked>& ranking);
 
-/// A round beside the other terms, those that are confused with `effect` among its candidates.
+/// A round beside the other terms.
 std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
-                                  const Effect& effect, const Model& without);
+                                  const Model& without);
 
 /// More than two names, or one of many unknowns: two may do as well.
 bool could_be_fewer(const Model& model);
@@ -32,7 +32,7 @@ bool could_be_fewer(const Model& model);
 /// Two effects that hide each other: of what each effect promises beside each of the first names, the best fitted. Greatest
 /// evidence first, each two names once.
 std::vector<std::pair<Ranked, Ranked>> pairs_beside(const SearchSetting& setting,
-                                                    const SearchRecords& records, const Model& before,
+                                                    const SearchRecords& records,
                                                     const std::vector<Ranked>& first);
 
 /// Of responses, whose fits are quick: every effect beside each of the first names, and chains of modes. The last member's model holds

@@ -20,6 +20,11 @@ class RateDependence final : public Effect {
                 .what = "the gain changes with frequency by a fractional order",
                 .experiment = "a sweep over more decades",
                 .linear = true}) {}
+  /// With both corners below the drive it is a gain.
+  bool is_no_name(const Model& model, const Term& term, const Scene& scene) const override {
+    const auto& block = model.at(model.position_of(term.blocks.front()));
+    return block.get("x") * block.get("lambda_s") * Hertz{scene.low_hz}.rad_s().value > 1.0;
+  }
   /// With corners close together it is one relaxation. Between its corners the gain falls like that of logarithmic creep with these time constants.
   bool is_implausible(const Model& model, const Scene& scene) const override {
     const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));

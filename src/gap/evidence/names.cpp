@@ -6,17 +6,15 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A name is told alone from .9 on (the contract); others of less than a twentieth are not told beside it.
-constexpr double kTied = 0.05;
 /// Another place of the same effect holds this part of the best one's evidence.
 constexpr double kAsGoodAPlace = 0.1;
+
+}  // namespace
 
 bool is_name(const Ranked& r) {
   return std::isfinite(r.log_evidence) && r.outcome != CandidateOutcome::no_name &&
          r.outcome != CandidateOutcome::too_free && r.outcome != CandidateOutcome::takes_too_little;
 }
-
-}  // namespace
 
 std::map<std::string, double> names_of_step(const Step& step) {
   double most = step.log_evidence_without;

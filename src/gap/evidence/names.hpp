@@ -8,6 +8,12 @@
 
 namespace bodesmith::gap {
 
+/// A name is told alone from .9 on (the contract); others of less than a twentieth are not told beside it.
+constexpr double kTied = 0.05;
+
+/// A candidate that was fitted, is of use and is no other effect's form.
+bool is_name(const Ranked& r);
+
 /// Probabilities of the names of one step beside the others, "" for none: evidence over their sum, an effect's places and forms together.
 std::map<std::string, double> names_of_step(const Step& step);
 

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <utility>
 
 #include "base/whole_number.hpp"
-#include "numeric/fourier.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record/record_simulator.hpp"
@@ -27,12 +25,8 @@ constexpr std::size_t kLastLook = 16000;
 /// The fastest clock that is looked for, in samplings: a hold faster than the record leaves images that sampling
 /// folds down.
 constexpr double kFastestClock = 1.6;
-/// Clocks of the first look in one cycle over its length. Those below this part of the sampling rate are all looked at, of the
-/// others so many, found by so many harmonics of a saw tooth.
-constexpr std::size_t kClocksPerCycle = 5;
-constexpr double kSlowClock = 0.25;
-constexpr std::size_t kPromising = 400;
-constexpr std::size_t kClockHarmonics = 6;
+/// Clocks of the first look in one cycle over its length.
+constexpr double kClocksPerCycle = 3.0;
 /// A lag of whole samples must leave less than this of the mean square, one below a sample must explain that
 /// share.
 constexpr double kMaxLeftByLag = 0.96;
@@ -99,80 +93,6 @@ double likeness_to_stairs(const std::vector<double>& signal, const std::vector<d
   return likeness.value();
 }
 
-/// The first look's clocks from `low_hz` up to the fastest that is looked for.
-struct ClockComb {
-  std::size_t length;   ///< samples that are looked at
-  std::size_t periods;  ///< of the comb's spacing in a sampling
-  double spacing_hz;
-  std::size_t first, last;  ///< in spacings: first … last - 1
-
-  ClockComb(std::size_t samples, double low_hz, double step_s)
-      : length(samples), periods(smooth_length(kClocksPerCycle * samples)) {
-    spacing_hz = 1.0 / (static_cast<double>(periods) * step_s);
-    first = whole_number<std::size_t>(std::ceil(low_hz / spacing_hz));
-    last = whole_number<std::size_t>(std::ceil(kFastestClock / (step_s * spacing_hz)));
-  }
-  double clock_hz(std::size_t k) const { return static_cast<double>(k) * spacing_hz; }
-  /// In samples.
-  double cycle(std::size_t k) const { return static_cast<double>(periods) / static_cast<double>(k); }
-};
-
-/// For a comb's clocks (0 for those before its first): the residual's product with the stairs of a signal less their mean
-/// lag, where the signal goes straight in between. Stairs are a saw tooth of the clock then, as high as the signal's change in
-/// a cycle, its harmonics sin(2 pi k phase)/(pi k); so a transform of the residual times that change has them all.
-std::vector<double> likeness_to_saw(const std::vector<double>& signal, const std::vector<double>& residual,
-                                    bool half, const ClockComb& comb) {
-  std::vector<double> likeness(comb.last, 0.0);
-  for (std::size_t begin = comb.first; begin < comb.last;) {
-    // An octave of clocks shares the stretch over which the signal's change is taken.
-    const std::size_t end = std::min(comb.last, 2 * begin);
-    const double span = (half ? 1.5 : 1.0) * comb.cycle(begin);
-    const auto reach = std::max<std::size_t>(1, whole_number<std::size_t>(std::ceil(span)));
-    std::vector<double> products(comb.periods, 0.0);
-    double energy = 0.0;
-    for (std::size_t i = std::max(reach, comb.length / 10); i < comb.length; ++i) {
-      const double change = signal[i] - signal[i - reach];
-      products[i] = residual[i] * change;
-      energy += change * change;
-    }
-    const double height = energy > 0.0 ? 1.0 / std::sqrt(energy) : 0.0;
-    const auto bins = half_spectrum(products);
-    const auto imaginary = [&](std::size_t k) {  // of sum products exp(2 pi j k i/periods)
-      const std::size_t folded = k % comb.periods;
-      return folded < bins.size() ? -bins[folded].imag() : bins[comb.periods - folded].imag();
-    };
-    for (std::size_t k = begin; k < end; ++k) {
-      for (std::size_t harmonic = 1; harmonic <= kClockHarmonics; ++harmonic) {
-        const double sign = half && harmonic % 2 == 1 ? -1.0 : 1.0;
-        likeness[k] += height * sign * imaginary(harmonic * k) / static_cast<double>(harmonic);
-      }
-    }
-    begin = end;
-  }
-  return likeness;
-}
-
-/// Of a comb's clocks those whose stairs the residual may be like: all slow ones, of the others the best by a saw tooth.
-std::vector<std::size_t> promising_clocks(const std::vector<double>& signal,
-                                          const std::vector<double>& residual, bool half,
-                                          const ClockComb& comb, double slow_hz) {
-  std::vector<std::size_t> clocks;
-  std::vector<std::pair<double, std::size_t>> fast;
-  const auto likeness = likeness_to_saw(signal, residual, half, comb);
-  for (std::size_t k = comb.first; k < comb.last; ++k) {
-    if (comb.clock_hz(k) < slow_hz) {
-      clocks.push_back(k);
-    } else {
-      fast.emplace_back(likeness[k], k);
-    }
-  }
-  const std::size_t count = std::min(fast.size(), kPromising);
-  std::partial_sort(fast.begin(), fast.begin() + static_cast<std::ptrdiff_t>(count), fast.end(),
-                    std::greater{});
-  for (std::size_t i = 0; i < count; ++i) clocks.push_back(fast[i].second);
-  return clocks;
-}
-
 /// Clocks whose stairs of a signal the residual is like, best first; above 0: lag and all, around `guess_hz`.
 Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
                         const std::vector<double>& residual, bool half, double guess_hz) {
@@ -185,18 +105,10 @@ Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
   std::size_t length = std::min(last, kFirstLook);
   const double low_hz =
       with_lag ? 0.5 * guess_hz : std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h));
-  const ClockComb comb(length, low_hz, h);
-  double spacing = comb.spacing_hz;
-  std::vector<std::size_t> clocks;
-  if (with_lag) {
-    for (std::size_t k = comb.first; k < comb.last && comb.clock_hz(k) < 2.2 * guess_hz; ++k)
-      clocks.push_back(k);
-  } else {
-    clocks = promising_clocks(signal, residual, half, comb, kSlowClock / h);
-  }
+  const double high_hz = with_lag ? 2.2 * guess_hz : kFastestClock / h;
+  double spacing = 1.0 / (kClocksPerCycle * static_cast<double>(length) * h);
   std::vector<ScoredClock> scored;
-  for (const std::size_t k : clocks)
-    scored.emplace_back(likeness(comb.clock_hz(k), length), comb.clock_hz(k));
+  for (double f = low_hz; f < high_hz; f += spacing) scored.emplace_back(likeness(f, length), f);
   while (!scene.is_late()) {
     std::sort(scored.rbegin(), scored.rend());
     keep_best(scored, kOnePeak / (static_cast<double>(length) * h));

@@ -90,6 +90,12 @@ struct Racer {
   bool stopped = false;
 };
 
+double least_rms(const std::vector<Racer>& racers) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& r : racers) least = std::min(least, r.now.result.rms);
+  return least;
+}
+
 bool has_arrived(const FittedModel& fitted) {
   return fitted.result.termination != Termination::max_iterations;
 }
@@ -100,9 +106,8 @@ void race(const SearchSetting& setting, const SearchRecords& records, std::vecto
   auto options = fit_options(setting.options, limits.iterations_a_stage);
   options.cost_tolerance = limits.tolerance;
   for (int stage = 0; stage < limits.stages && !setting.options.is_late(); ++stage) {
-    double leader = std::numeric_limits<double>::infinity();
-    for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
-    for (auto& r : racers) r.stopped = r.stopped || r.now.result.rms > limits.far_behind * leader;
+    const double before = least_rms(racers);
+    for (auto& r : racers) r.stopped = r.stopped || r.now.result.rms > limits.far_behind * before;
     std::vector<double> reached(racers.size());
     parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
       auto& r = racers[i];
@@ -112,7 +117,7 @@ void race(const SearchSetting& setting, const SearchRecords& records, std::vecto
       r.stopped = !fitted.result.usable() || has_arrived(fitted);
       if (fitted.result.usable() && fitted.result.rms <= r.now.result.rms) r.now = std::move(fitted);
     });
-    for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
+    const double leader = least_rms(racers);
     for (std::size_t i = 0; i < racers.size(); ++i) {
       auto& r = racers[i];
       const bool no_nearer = r.now.result.rms > limits.no_nearer * reached[i];
@@ -163,8 +168,7 @@ void comb(const SearchSetting& setting, const SearchRecords& records, Racer& rac
 
 /// The same for all that are in the running.
 void comb_leaders(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
-  double leader = std::numeric_limits<double>::infinity();
-  for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
+  const double leader = least_rms(racers);
   parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
     if (racers[i].now.result.rms < setting.options.round.in_the_running * leader)
       comb(setting, records, racers[i]);
@@ -185,8 +189,7 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
     }
     return all;
   };
-  double leader = std::numeric_limits<double>::infinity();
-  for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
+  const double leader = least_rms(racers);
   std::vector<const Racer*> from(racers.size(), nullptr);
   for (std::size_t i = 0; i < racers.size(); ++i) {
     const auto& term = candidates[racers[i].candidate].proposal.model.terms().back();

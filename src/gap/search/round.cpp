@@ -198,8 +198,6 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
                options.round.effects + options.round.effects_from_given, done);
     if (options.stopped()) return {};
   }
-  round.not_tried.assign(missed.begin(), missed.end());
-  if (choice.chosen().empty()) return round;
   auto fitted = fit_candidates(setting, records, choice.chosen());
   for (std::size_t i = 0; i < fitted.size(); ++i) {
     if (!fitted[i] && options.is_late()) missed.insert(effect_of(choice.chosen()[i].proposal)->name());
@@ -210,9 +208,9 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
 }
 
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& model, const EffectFilter& filter) {
+                                  const Model& model) {
   std::set<std::string_view> missed;
-  return look_from(setting, records, model, filter, missed);
+  return look_from(setting, records, model, {}, missed);
 }
 
 std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records,

@@ -29,7 +29,7 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
 
 /// The first look of a round alone: what every effect promises, best first.
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& model, const EffectFilter& filter = {});
+                                  const Model& model);
 /// Chosen candidates of such looks, fitted and ranked.
 std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records,
                                const std::vector<Promising>& chosen);

@@ -11,9 +11,13 @@
 #include <string>
 #include <utility>
 
+#include "base/error.hpp"
+
 namespace bodesmith {
 
 std::string number_text(double value) {
+  if (!std::isfinite(value))
+    throw InputError("a result is not a finite number: inputs whose numbers double precision cannot hold");
   char buffer[40];
   const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
   std::string out(buffer, result.ptr);

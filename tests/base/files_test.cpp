@@ -116,6 +116,7 @@ TEST(Text, NumbersReadBackExactly) {
   for (const char* text : {"", "1.2.3", "0x10", "nan", "inf", "1e999", "1,5", "4k7"}) {
     EXPECT_FALSE(parse_number(text, ignored)) << text;
   }
+  for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) EXPECT_THROW(number_text(value), InputError);
 }
 
 TEST(Text, EngineersPrefixes) {

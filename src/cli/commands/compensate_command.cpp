@@ -253,6 +253,7 @@ int run_compensate(const std::vector<std::string>& arguments) {
   const invert::Options options = read_compensate_options(line, model);
   if (model.blocks.empty()) throw InputError(line.files().front(), 0, "has no block, expected at least one");
   const TimeRecord reference = read_wanted(line, model, from);
+  reference.require_measured_sizes();
 
   const Stopwatch watch;
   const Compensation found = invert::compensate(model, reference, options);

@@ -63,6 +63,11 @@ TEST(Compensate, NamesFileAndLineOfWhatIsWrong) {
   EXPECT_EQ(result.status, 2);
   EXPECT_NE(result.err.find("m.toml:6"), std::string::npos) << result.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "drive.csv"));
+  // Squares of what is beyond 1e50 would be infinite in the figures.
+  write_file(folder / "r.csv", "time_s,r\n0,0\n0.1,1e200\n0.2,0\n0.3,0.5\n");
+  result = run(kCompensatedModel);
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("1e+200"), std::string::npos) << result.err;
 }
 
 TEST(Compensate, OutOfReachIsSaidAndLimitIsStatusOne) {

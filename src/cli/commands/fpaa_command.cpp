@@ -123,9 +123,8 @@ std::string trade_off_text(const fpaa::Plan& plan) {
     points.push_back(fmt::format("{} {} %{}", engineering_text(at.at_input_v, "V", 3),
                                  rounded_text(at.p95_percent, 2), at.chosen ? " (taken)" : ""));
   }
-  return fmt::format(
-      "error against input, of designs that no other one beats in both by the search's figures (first order; of the one taken the plan's): {}\n",
-      join(points, ", "));
+  return fmt::format("error against input, of designs that no other one beats in both: {}\n",
+                     join(points, ", "));
 }
 
 void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, const Json& json,

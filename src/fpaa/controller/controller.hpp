@@ -93,7 +93,6 @@ struct ControllerVariant {
   int chips = 0;
   std::vector<int> io_cells;  ///< used, of each chip
   Resources resources;
-  std::vector<std::string> notes;
 
   bool fits() const { return !refusal; }
   std::string name() const;  ///< "lookup, loop"

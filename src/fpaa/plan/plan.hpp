@@ -80,8 +80,7 @@ struct PlanTotal {
   double image_percent = 0.0;
 };
 
-/// A design that the search found and that no other one found beats in both, error and input (by the search's own
-/// figures: mismatch to first order, noise without foldings; the chosen one by the plan's).
+/// A design that the search found and that no other one found beats in both, error and input.
 struct TradeOff {
   double at_input_v = 0.0;
   double designed_percent = 0.0;

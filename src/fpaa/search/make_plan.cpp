@@ -117,30 +117,18 @@ int opamps_of(const Plan& plan) {
   return out;
 }
 
-/// Plan for a narrower band: in words, with what it came to; empty when that fails too.
-std::string tried_band(const Sections& sections, PlanOptions options, Band band, const Board& board) {
+/// What a search comes to in words, chips and percent in `form`; empty when that fails too.
+std::string tried(const Sections& sections, PlanOptions options, Band band, const Board& board,
+                  const std::string& form) {
   options.band = band;
-  const Outcome<Plan> made = search_design(sections, band, options, board);
+  const auto made = search_design(sections, band, options, board);
   if (refusal_of(made) != nullptr) return "";
-  const Plan& plan = std::get<Plan>(made);
+  const Plan& plan = std::get<std::vector<FoundPlan>>(made).front().plan;
   const SwitchedBoard switched(plan);
   if (is_hopeless(switched, sections, band)) return "";
   const PlanError error = stated_error(plan, switched, sections, band, true);
-  return fmt::format("from {} to {} Hz it is built, {} % off", rounded_text(band.from.value, 4),
-                     rounded_text(band.to.value, 4), rounded_text(error.max_complex_percent, 3));
-}
-
-/// The same on more chips than the board has.
-std::string tried_chips(const Sections& sections, const PlanOptions& options, Band band, Board board) {
-  constexpr int kTimes = 4;
-  board.chips *= kTimes;
-  const Outcome<Plan> made = search_design(sections, band, options, board);
-  if (refusal_of(made) != nullptr) return "";
-  const Plan& plan = std::get<Plan>(made);
-  const SwitchedBoard switched(plan);
-  if (is_hopeless(switched, sections, band)) return "";
-  return fmt::format("{} chips would do, {} % off", plan.chips.size(),
-                     rounded_text(stated_error(plan, switched, sections, band, true).max_complex_percent, 3));
+  return "; tried: " + fmt::format(fmt::runtime(form), fmt::arg("chips", plan.chips.size()),
+                                   fmt::arg("percent", rounded_text(error.max_complex_percent, 3)));
 }
 
 /// What would make it fit, each tried: part of the band (the one given, else the upper and the lower part without
@@ -155,11 +143,16 @@ std::string least_change(const Sections& sections, const PlanOptions& options, B
     bands = {{{middle}, band.to}, {band.from, {middle}}};
   }
   for (const Band& part : bands) {
-    std::string words = tried_band(sections, options, part, board);
-    if (!words.empty()) return "; tried: " + words;
+    std::string words = tried(sections, options, part, board,
+                              fmt::format("from {} to {} Hz it is built, {{percent}} % off",
+                                          rounded_text(part.from.value, 4), rounded_text(part.to.value, 4)));
+    if (!words.empty()) return words;
   }
-  std::string words = tried_chips(sections, options, band, board);
-  if (!words.empty()) return "; tried: " + words;
+  constexpr int kTimes = 4;
+  Board more = board;
+  more.chips *= kTimes;
+  std::string words = tried(sections, options, band, more, "{chips} chips would do, {percent} % off");
+  if (!words.empty()) return words;
   return "; tried without success: parts of the band, more chips; expected fewer poles (a lower order) or spice";
 }
 
@@ -186,18 +179,52 @@ std::optional<Refusal> too_many_poles(const Sections& sections, const Board& boa
       poles, (poles + per_chip - 1) / per_chip, opamps)};
 }
 
-/// What cannot all be had, and which part of it stands in the way; the curve goes where all is. The search's figures of a design are of
-/// first order in each capacitor: of the one that was taken there are the plan's own.
+DesignScore score_of(const Plan& plan, const Board& board) {
+  const PlanTotal& total = *plan.total;
+  DesignScore out;
+  out.designed = total.designed_percent / 100.0;
+  out.noise = total.noise_percent / 100.0;
+  out.p95 = std::sqrt(std::max(0.0, std::pow(total.p95_percent / 100.0, 2) - out.noise * out.noise));
+  out.input = total.at_input_v / board.full_scale_v;
+  out.bound = out.input / std::pow(10.0, total.from_bound_db / 20.0);
+  out.image = total.image_percent / 100.0;
+  return out;
+}
+
+/// Of plans with their figures the one that takes the first place by them, and the curve of those that no other one beats in both,
+/// error and input.
+Plan best_of(std::vector<FoundPlan> found, const Board& board) {
+  std::vector<TradeOff> curve;
+  std::pair<bool, double> least{true, std::numeric_limits<double>::infinity()};
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Plan& plan = found[i].plan;
+    const DesignScore score = score_of(plan, board);
+    const auto place = score.place(score.missing(board.full_scale_v), opamps_of(plan), found[i].vendor);
+    if (place < least) {
+      least = place;
+      best = i;
+    }
+    curve.push_back({plan.total->at_input_v, plan.total->designed_percent, plan.total->p95_percent,
+                     opamps_of(plan), false});
+  }
+  curve[best].chosen = true;
+  std::erase_if(curve, [all = curve](const TradeOff& at) {
+    return !at.chosen && std::any_of(all.begin(), all.end(), [&](const TradeOff& other) {
+      return other.at_input_v >= at.at_input_v && other.p95_percent < at.p95_percent;
+    });
+  });
+  std::stable_sort(curve.begin(), curve.end(),
+                   [](const TradeOff& a, const TradeOff& b) { return a.at_input_v < b.at_input_v; });
+  Plan out = std::move(found[best].plan);
+  out.trade_off = std::move(curve);
+  return out;
+}
+
+/// What cannot all be had, and which part of it stands in the way; the curve goes where all is.
 void state_trade_off(Plan& plan, const Board& board) {
   const PlanTotal& total = *plan.total;
-  for (TradeOff& at : plan.trade_off) {
-    if (at.chosen) at = {total.at_input_v, total.designed_percent, total.p95_percent, opamps_of(plan), true};
-  }
-  std::stable_sort(plan.trade_off.begin(), plan.trade_off.end(),
-                   [](const TradeOff& a, const TradeOff& b) { return a.at_input_v < b.at_input_v; });
-  DesignScore score;
-  score.bound = total.at_input_v / std::pow(10.0, total.from_bound_db / 20.0) / board.full_scale_v;
-  const double wanted_v = score.wanted_input(board.full_scale_v) * board.full_scale_v;
+  const double wanted_v = score_of(plan, board).wanted_input(board.full_scale_v) * board.full_scale_v;
   std::vector<std::string> missed;
   if (total.designed_percent > 100.0 * kWantedDesigned)
     missed.push_back(fmt::format("{} % as designed (wanted {})", rounded_text(total.designed_percent, 2),
@@ -269,24 +296,31 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   if (const auto refusal = too_many_poles(sections, board)) return *refusal;
   // Who asks for a clock or for the vendor's CAMs alone is told what these come to, whatever it is.
   const bool given = options.clock || options.topology != PlanOptions::Topology::automatic;
-  Outcome<Plan> made = search_design(sections, band, options, board);
+  Outcome<std::vector<FoundPlan>> made = search_design(sections, band, options, board);
   if (const Refusal* refusal = refusal_of(made)) {
-    if (given) return made;
+    if (given) return *refusal;
     return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};
   }
-  Plan& plan = std::get<Plan>(made);
+  auto& found = std::get<std::vector<FoundPlan>>(made);
+  for (FoundPlan& one : found) {
+    state_figures(one.plan, sections, band, options.assumptions);
+    // The first one where it has all that is wanted.
+    if (score_of(found.front().plan, board).missing(board.full_scale_v) > 0.0) continue;
+    found.resize(1);
+    break;
+  }
+  Plan plan = best_of(std::move(found), board);
   const SwitchedBoard switched(plan);
   if (!given && is_hopeless(switched, sections, band)) {
     const std::optional<Band> usable = usable_band(switched, sections, band);
-    const PlanError error = stated_error(plan, switched, sections, band, true);
+    const PlanError& error = plan.error_with_delays;
     return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
                                rounded_text(error.max_complex_percent, 3), rounded_text(error.worst.value, 3),
                                plan.topology, opamps_of(plan),
                                least_change(sections, options, band, board, usable))};
   }
-  state_figures(plan, sections, band, options.assumptions);
   state_trade_off(plan, board);
-  return made;
+  return plan;
 }
 
 }  // namespace bodesmith::fpaa

@@ -14,6 +14,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
+/// An op-amp more has to earn this share of the error, a chip more that.
+constexpr double kOpampCost = 0.01;
+constexpr double kChipCost = 0.1;
+constexpr int kOpampsOfChip = 8;
+/// A stage that AnadigmDesigner2 cannot make has to earn this much (a tenth of a point).
+constexpr double kVendorMargin = 1e-3;
 constexpr double kOfFastest = 0.45;  ///< clock: where peaks are looked for, as plan_limits.cpp
 
 /// Mean square at the pin within the band, in kT/C_u: every switched unit brings 2 kT C of charge a period. What a slower clock folds
@@ -63,6 +69,16 @@ double DesignScore::missing(double full_scale_v) const {
   const auto beyond = [](double of_wanted) { return std::max(0.0, of_wanted - 1.0); };
   return beyond(designed / kWantedDesigned) + beyond(std::hypot(p95, noise) / kWantedP95) +
          beyond(wanted_input(full_scale_v) / input);
+}
+
+double DesignScore::rank(int opamps, bool vendor) const {
+  const int more_chips = (opamps - 1) / kOpampsOfChip;
+  return snapped((total() + designed) * (1.0 + kOpampCost * opamps + kChipCost * more_chips) +
+                 (vendor ? 0.0 : kVendorMargin));
+}
+
+std::pair<bool, double> DesignScore::place(double missing, int opamps, bool vendor) const {
+  return {missing > 0.0, snapped(rank(opamps, vendor) * (1.0 + missing))};
 }
 
 std::vector<double> mismatch_sigma(const CapacitorEffects& effects, const Design& design,

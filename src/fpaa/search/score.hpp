@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "fpaa/device/mismatch.hpp"
@@ -23,6 +24,11 @@ struct DesignScore {
   double wanted_input(double full_scale_v) const;
   /// By how much of itself each of what is wanted is missed, added up; 0: there is all of it.
   double missing(double full_scale_v) const;
+  /// What designs are compared by, the least is the best: total() and the designed error once more (which no trim takes away), a share
+  /// more for each op-amp and chip; a stage that AnadigmDesigner2 cannot make has to earn a tenth of a point.
+  double rank(int opamps, bool vendor) const;
+  /// What has all that is wanted of a plan comes first; of the others what misses more counts as so much worse.
+  std::pair<bool, double> place(double missing, int opamps, bool vendor) const;
 };
 
 /// The share of the bound that costs nothing.

@@ -44,15 +44,6 @@ constexpr double kClockStep = 0.65;
 constexpr double kLeastOverBand = 2.2;
 /// A clock is moved for at least this share of the rank.
 constexpr double kWorthMoving = 0.99;
-/// An op-amp more has to earn this share of the error, a chip more that.
-constexpr double kOpampCost = 0.01;
-constexpr double kChipCost = 0.1;
-constexpr int kOpampsOfChip = 8;
-/// A stage that AnadigmDesigner2 cannot make has to earn this much (a tenth of a point).
-constexpr double kVendorMargin = 1e-3;
-/// Of two designs that do as well for 95 % of boards the one that is nearer by design is taken.
-constexpr double kDesignedShare = 1.0;
-
 struct Candidate {
   std::vector<StageRoots> stages;
   SharingOptions sharing;
@@ -66,15 +57,8 @@ struct Candidate {
   DesignScore score;
   bool vendor = false;
   double missing = 0.0;  ///< of what is wanted of a plan (DesignScore::missing), once capacitors are whole
-  double rank() const {
-    const int opamps = design->opamps();
-    const int more_chips = (opamps - 1) / kOpampsOfChip;
-    return snapped((score.total() + kDesignedShare * score.designed) *
-                       (1.0 + kOpampCost * opamps + kChipCost * more_chips) +
-                   (vendor ? 0.0 : kVendorMargin));
-  }
-  /// What has all that is wanted of a plan comes first; of the others what misses more counts as so much worse.
-  std::pair<bool, double> place() const { return {missing > 0.0, snapped(rank() * (1.0 + missing))}; }
+  double rank() const { return score.rank(design->opamps(), vendor); }
+  std::pair<bool, double> place() const { return score.place(missing, design->opamps(), vendor); }
 };
 
 bool is_vendor(const Design& design) {
@@ -121,7 +105,7 @@ class ChainSearch {
         target_(design_target(sections, band, 10.0, board)),
         fine_(design_target(sections, band, 24.0, board)) {}
 
-  Outcome<Plan> run() {
+  Outcome<std::vector<FoundPlan>> run() {
     if (options_.clock) {
       const auto clock = find_clock(board_, *options_.clock);
       if (!clock) {
@@ -139,11 +123,13 @@ class ChainSearch {
         found.push_back(std::move(joined));
     }
     sort_by_rank(found);
-    Candidate& best = found.front();
-    name_by_use(*best.design);
-    Plan out = value_or_throw(plan_of_design(*best.design, board_));
-    out.topology = best.vendor ? "chain" : "cascade";
-    out.trade_off = trade_off(found);
+    std::vector<FoundPlan> out;
+    for (const Candidate* c : unbeaten(found)) {
+      Design design = *c->design;
+      name_by_use(design);
+      out.push_back({value_or_throw(plan_of_design(design, board_)), c->vendor});
+      out.back().plan.topology = c->vendor ? "chain" : "cascade";
+    }
     return out;
   }
 
@@ -167,22 +153,19 @@ class ChainSearch {
     return {at};
   }
 
-  /// Of all designs with whole capacitors those that no other one beats in both, error and input; with the first one in any case.
-  std::vector<TradeOff> trade_off(const std::vector<Candidate>& found) const {
-    constexpr double kLess = 0.98;  // an error that is not smaller by this is the same
-    std::vector<TradeOff> all;
-    for (const Candidate& c : found) {
-      all.push_back({c.score.input * board_.full_scale_v, 100.0 * c.score.designed,
-                     100.0 * std::hypot(c.score.p95, c.score.noise), c.design->opamps(), &c == &found[0]});
-    }
+  /// The best of all designs with whole capacitors, and those that no other one beats in both, error and input.
+  std::vector<const Candidate*> unbeaten(const std::vector<Candidate>& found) const {
+    constexpr double kLess = 0.95;  // 95 % of 300 boards is known to some 5 %
+    std::vector<const Candidate*> all;
+    for (const Candidate& c : found) all.push_back(&c);
     std::stable_sort(all.begin(), all.end(),
-                     [](const TradeOff& a, const TradeOff& b) { return a.at_input_v > b.at_input_v; });
-    std::vector<TradeOff> out;
+                     [](const Candidate* a, const Candidate* b) { return a->score.input > b->score.input; });
+    std::vector<const Candidate*> out{&found.front()};
     double least = std::numeric_limits<double>::infinity();
-    for (const TradeOff& at : all) {
-      const bool better = at.p95_percent < kLess * least;
-      if (better) least = at.p95_percent;
-      if (better || at.chosen) out.insert(out.begin(), at);
+    for (const Candidate* c : all) {
+      const double error = std::hypot(c->score.p95, c->score.noise);
+      if (error < kLess * least && c != out.front() && !options_.quick) out.push_back(c);
+      least = std::min(least, error);
     }
     return out;
   }
@@ -260,7 +243,7 @@ class ChainSearch {
   bool is_allowed(const Candidate& c) const {
     if (options_.topology == PlanOptions::Topology::bilinear) {
       const std::vector<DesignStage>& stages = c.design->stages;
-      return static_cast<int>(stages.size()) <= kOpampsOfChip && c.vendor &&
+      return static_cast<int>(stages.size()) <= board_.cabs_per_chip * board_.per_cab.opamps && c.vendor &&
              std::all_of(stages.begin(), stages.end(), [](const DesignStage& s) { return s.is_first(); });
     }
     return c.vendor || !vendor_only();
@@ -524,8 +507,8 @@ class ChainSearch {
 
 }  // namespace
 
-Outcome<Plan> search_design(const Sections& sections, Band band, const PlanOptions& options,
-                            const Board& board) {
+Outcome<std::vector<FoundPlan>> search_design(const Sections& sections, Band band, const PlanOptions& options,
+                                              const Board& board) {
   return ChainSearch(sections, band, options, board).run();
 }
 

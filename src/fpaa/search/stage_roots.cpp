@@ -298,16 +298,16 @@ std::optional<Stage> second_order_stage(const StageRoots& roots, double period) 
   return second_order_stage(own, beta0, beta1, beta2);
 }
 
-/// weight x - stage(x), every path inverted once more: the sum's input 1 is the stage, input 2 the stage's own input.
-Stage difference_stage(double weight) {
+/// x - stage(x), every path inverted once more: the sum's input 1 is the stage, input 2 the stage's own input.
+Stage difference_stage() {
   Stage out;
   out.from = {0, Stage::kBoardInput};
-  const double cout = 0.5 * kBig / std::max(1.0, weight);
-  out.c = {cout, 0.5 * cout, weight * cout, 0.5 * weight * cout, cout, 0.5 * cout};
+  const double cout = 0.5 * kBig;
+  out.c = {cout, 0.5 * cout, cout, 0.5 * cout, cout, 0.5 * cout};
   return out;
 }
 
-/// prod(s - z)/prod(s - p) = a - stage, a the response far above: the stage is -(beta s + gamma)/prod(s - p).
+/// prod(s - z)/prod(s - p) = 1 - stage: the stage is -(beta s + gamma)/prod(s - p).
 std::vector<Stage> difference_stages(const StageRoots& roots, double period) {
   if (!roots.second) {
     // (s - z)/(s + p) = 1 - (z + p)/(s + p); without a zero there is nothing to subtract.
@@ -315,28 +315,20 @@ std::vector<Stage> difference_stages(const StageRoots& roots, double period) {
     const double p = -roots.poles[0].real();
     Stage low = first_order_stage({{roots.poles[0]}, {}, false}, period);
     low.c[0] *= (z + p) / p;
-    return {low, difference_stage(1.0)};
+    return {low, difference_stage()};
   }
   const Resonance own = resonance_of(roots, period);
   const double d1 = -(roots.poles[0] + roots.poles[1]).real();
   const double d0 = (roots.poles[0] * roots.poles[1]).real();
-  double far = 1.0;
-  double n1;
-  double n0;
-  if (roots.zeros.size() == 2) {
-    n1 = -(roots.zeros[0] + roots.zeros[1]).real();
-    n0 = (roots.zeros[0] * roots.zeros[1]).real();
-  } else {
-    return {};  // falls towards high frequencies: nothing constant to take it from
-  }
-  const double beta = far * d1 - n1;  // of D/T, against d1
-  const double gamma = far * d0 - n0;
+  if (roots.zeros.size() != 2) return {};  // falls towards high frequencies: nothing constant to take it from
+  const double beta = d1 + (roots.zeros[0] + roots.zeros[1]).real();  // of D/T, against d1
+  const double gamma = d0 - (roots.zeros[0] * roots.zeros[1]).real();
   if (!(beta > 0.0)) return {};
   const double left = 1.0 - own.gamma;
   auto stage =
       second_order_stage(own, own.mu * left * gamma / d0, (own.lambda + own.mu) * left * beta / d1, 0.0);
   if (!stage) return {};
-  return {*std::move(stage), difference_stage(far)};
+  return {*std::move(stage), difference_stage()};
 }
 
 }  // namespace

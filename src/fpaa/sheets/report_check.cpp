@@ -120,19 +120,20 @@ class CamComparison {
   void run() {
     if (got_.cam != wanted_.cam_name()) differ("the CAM", got_.cam, std::string(wanted_.cam_name()));
     clock();
-    phase();
-    option();
-    for (const CamValues::Entry& entry : wanted_.realised.entries()) parameter(entry);
+    words("Output Phase", fmt::format("Phase {}", wanted_.phase));
+    if (!wanted_.option.empty()) words("Filter Type", wanted_.option);
+    for (const CamValues::Entry& entry : wanted_.realised.entries()) {
+      const CamParameter* parameter = wanted_.cam->parameter(entry.key);
+      const auto should = entry.number();
+      if (parameter == nullptr || parameter->words.empty() || !should) continue;
+      number(parameter->words, *should, parameter->frequency);
+    }
   }
 
  private:
   void differ(std::string_view what, std::string_view is, std::string_view should) {
     out_.push_back(fmt::format("{}: {} is {}, the plan says {}", wanted_.name, what, is, should));
   }
-  void missing(std::string_view what) {
-    out_.push_back(fmt::format("{}: no {} in the report", wanted_.name, what));
-  }
-
   const std::string* row(std::string_view label) const {
     for (const auto& [key, value] : got_.rows) {
       // "Gain 1 (UpperInput)" and the like: the words in front count.
@@ -145,49 +146,32 @@ class CamComparison {
   }
 
   void clock() {
-    const std::string* text = row("ClockA");
+    const std::string* text = number("ClockA", wanted_.clock_a.value, true);
+    const std::string should = fmt::format("Chip Clock {}", wanted_.clock_index);
+    if (text != nullptr && text->find("Chip Clock") != std::string::npos &&
+        text->find(should) == std::string::npos) {
+      differ("ClockA", *text, should);
+    }
+  }
+
+  /// A row that may be missing.
+  void words(const std::string& label, const std::string& should) {
+    const std::string* text = row(label);
+    if (text != nullptr && lower_case(*text) != lower_case(should)) differ(label, *text, should);
+  }
+
+  /// A row that has to be there; returned is what it says.
+  const std::string* number(std::string_view label, double should, bool frequency) {
+    const std::string* text = row(label);
     if (text == nullptr) {
-      missing("ClockA");
-      return;
+      out_.push_back(fmt::format("{}: no {} in the report", wanted_.name, label));
+      return nullptr;
     }
-    const auto hz = number_in(*text, true);
-    if (!hz || !is_close(*hz, wanted_.clock_a.value, tolerance_)) {
-      differ("ClockA", *text, rounded_text(wanted_.clock_a.value / 1e3, 6) + " kHz");
+    const auto got = number_in(*text, frequency);
+    if (!got || !is_close(*got, should, tolerance_)) {
+      differ(label, *text, frequency ? rounded_text(should / 1e3, 6) + " kHz" : rounded_text(should, 6));
     }
-    const std::string number = fmt::format("Chip Clock {}", wanted_.clock_index);
-    if (text->find("Chip Clock") != std::string::npos && text->find(number) == std::string::npos) {
-      differ("ClockA", *text, number);
-    }
-  }
-
-  void phase() {
-    const std::string* text = row("Output Phase");
-    const std::string should = fmt::format("Phase {}", wanted_.phase);
-    if (text != nullptr && *text != should) differ("Output Phase", *text, should);
-  }
-
-  void option() {
-    if (wanted_.option.empty()) return;
-    const std::string* text = row("Filter Type");
-    if (text != nullptr && lower_case(*text) != lower_case(wanted_.option)) {
-      differ("Filter Type", *text, wanted_.option);
-    }
-  }
-
-  void parameter(const CamValues::Entry& entry) {
-    const CamParameter* parameter = wanted_.cam->parameter(entry.key);
-    const auto should = entry.number();
-    if (parameter == nullptr || parameter->words.empty() || !should) return;
-    const std::string* text = row(parameter->words);
-    if (text == nullptr) {
-      missing(parameter->words);
-      return;
-    }
-    const auto number = number_in(*text, parameter->frequency);
-    if (!number || !is_close(*number, *should, tolerance_)) {
-      differ(parameter->words, *text,
-             parameter->frequency ? rounded_text(*should / 1e3, 6) + " kHz" : rounded_text(*should, 6));
-    }
+    return text;
   }
 
   const ReportedCam& got_;

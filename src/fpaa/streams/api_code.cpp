@@ -12,10 +12,6 @@ namespace {
 
 using TokenKind = CToken::Kind;
 
-bool ends_with(std::string_view text, std::string_view end) {
-  return text.size() > end.size() && text.substr(text.size() - end.size()) == end;
-}
-
 class Parser {
  public:
   Parser(std::string_view text, const std::string& file) : file_(file), t_(c_tokens(text, file)) {
@@ -26,9 +22,12 @@ class Parser {
     for (at_ = 0; at_ < t_.size(); ++at_) {
       if (t_[at_].kind != TokenKind::word) continue;
       const std::string_view word = t_[at_].text;
-      if (ends_with(word, "_PrimaryConfigInfo") && opens_array()) primary(word);
-      if (ends_with(word, "_Capacitor") && opens_array()) capacitors(word);
-      if (ends_with(word, "_apiAddress1") && opens_array()) addresses();
+      if (word.ends_with("_PrimaryConfigInfo") && opens_array()) {
+        const std::vector<int> bytes = numbers();
+        out_.chips.push_back({std::string(word), 1, {bytes.begin(), bytes.end()}});
+      }
+      if (word.ends_with("_Capacitor") && opens_array()) capacitors(word);
+      if (word.ends_with("_apiAddress1") && opens_array()) addresses_ = numbers();
     }
     if (out_.cams.empty()) {
       throw InputError(
@@ -36,11 +35,9 @@ class Parser {
                       "with C code switched on for the CAMs",
                       file_));
     }
-    if (!addresses_.empty()) {
-      // In the order of the chips' numbers, which is the order of their primary streams.
-      for (std::size_t i = 0; i < out_.chips.size() && i < addresses_.size(); ++i)
-        out_.chips[i].address1 = addresses_[i];
-    }
+    // In the order of the chips' numbers, which is the order of their primary streams.
+    for (std::size_t i = 0; i < out_.chips.size() && i < addresses_.size(); ++i)
+      out_.chips[i].address1 = addresses_[i];
     split_names();
     return std::move(out_);
   }
@@ -56,21 +53,14 @@ class Parser {
     return t_[at_];
   }
 
-  void primary(std::string_view word) {
-    ApiProject::Chip chip;
-    chip.name = std::string(word);
+  /// Bytes up to the closing brace.
+  std::vector<int> numbers() {
+    std::vector<int> out;
     for (; need("}").text != "}"; ++at_) {
       if (t_[at_].kind == TokenKind::comment || t_[at_].text == ",") continue;
-      chip.primary.push_back(static_cast<std::uint8_t>(c_integer(t_[at_], 255, file_)));
+      out.push_back(c_integer(t_[at_], 255, file_));
     }
-    out_.chips.push_back(std::move(chip));
-  }
-
-  void addresses() {
-    for (; need("}").text != "}"; ++at_) {
-      if (t_[at_].kind == TokenKind::comment || t_[at_].text == ",") continue;
-      addresses_.push_back(c_integer(t_[at_], 255, file_));
-    }
+    return out;
   }
 
   void capacitors(std::string_view word) {
@@ -87,20 +77,17 @@ class Parser {
       if (t_[at_].text != "{") {
         throw InputError(file_, t_[at_].line, fmt::format("'{}', expected {{ bank, byte }}", t_[at_].text));
       }
-      std::vector<int> numbers;
-      for (++at_; need("}").text != "}"; ++at_) {
-        if (t_[at_].kind == TokenKind::comment || t_[at_].text == ",") continue;
-        numbers.push_back(c_integer(t_[at_], 255, file_));
-      }
-      if (numbers.size() != 2) {
+      ++at_;
+      const std::vector<int> place = numbers();
+      if (place.size() != 2) {
         throw InputError(file_, t_[at_].line,
-                         fmt::format("has {} numbers, expected bank and byte", numbers.size()));
+                         fmt::format("has {} numbers, expected bank and byte", place.size()));
       }
       if (name.empty())
         throw InputError(file_, t_[at_].line, "has no comment with the capacitor's name before it");
-      if (numbers[1] > 31)
-        throw InputError(file_, t_[at_].line, fmt::format("byte {}, expected 0 to 31", numbers[1]));
-      cam.capacitors.push_back({name, numbers[0], numbers[1]});
+      if (place[1] > 31)
+        throw InputError(file_, t_[at_].line, fmt::format("byte {}, expected 0 to 31", place[1]));
+      cam.capacitors.push_back({name, place[0], place[1]});
       name.clear();
     }
     out_.cams.push_back(std::move(cam));

@@ -282,7 +282,6 @@ BoardEstimate estimate_board(const Plan& plan, const MeasuredBoard& measured, co
   }
   for (Index c = 0; c < count; ++c) {
     out.error.push_back(x(c));
-    out.relative_deviation.push_back(factor.row(c).norm());
     out.root.emplace_back(factor.row(c).begin(), factor.row(c).end());
   }
   return out;

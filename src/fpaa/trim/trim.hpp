@@ -29,10 +29,9 @@ struct MeasuredBoard {
 /// (regularised least squares; Gelman et al., Bayesian Data Analysis, 2013, section 14.8). s, where the
 /// measurement does not say it, maximises the density of y.
 struct BoardEstimate {
-  std::vector<double> error;               ///< x of each capacitor of DrawnBoard
-  std::vector<double> relative_deviation;  ///< of each, left over
-  std::vector<std::vector<double>> root;   ///< square root of P: x + root * (standard normal numbers)
-  double noise = 0.0;                      ///< s
+  std::vector<double> error;              ///< x of each capacitor of DrawnBoard
+  std::vector<std::vector<double>> root;  ///< square root of P: x + root * (standard normal numbers)
+  double noise = 0.0;                     ///< s
 };
 /// Throws DesignError where the measurement has nothing to do with the plan (more than a factor of 2 away).
 BoardEstimate estimate_board(const Plan& plan, const MeasuredBoard& measured, const MismatchModel& mismatch);

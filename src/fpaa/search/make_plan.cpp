@@ -156,14 +156,30 @@ std::string least_change(const Sections& sections, const PlanOptions& options, B
   return "; tried without success: parts of the band, more chips; expected fewer poles (a lower order) or spice";
 }
 
-/// What no capacitors make: a response that a double does not hold, or nothing at all.
-std::optional<Refusal> not_a_response(const Sections& sections, Band band) {
+/// What no capacitors make: a response that a double does not hold, nothing at all, or a gain at which the noise of one capacitor,
+/// as large as there are and clocked as fast as can be, by itself fills the output in the band (or hides it).
+std::optional<Refusal> not_a_response(const Sections& sections, Band band, const Board& board,
+                                      const NoiseModel& noise) {
   double sum = 0.0;  // which keeps what is not a number
-  for (const Hertz f : log_grid(band, 60)) sum += std::abs(sections.response(f.rad_s()));
-  if (sum > 0.0 && std::isfinite(sum)) return std::nullopt;
-  return Refusal{fmt::format("the response from {} to {} Hz is {}, expected numbers above 0",
-                             rounded_text(band.from.value), rounded_text(band.to.value),
-                             sum == 0.0 ? "0" : "not finite")};
+  double peak = 0.0;
+  for (const Hertz f : log_grid(band, 60)) {
+    const double size = std::abs(sections.response(f.rad_s()));
+    sum += size;
+    peak = std::max(peak, size);
+  }
+  if (!(sum > 0.0) || !std::isfinite(sum)) {
+    return Refusal{fmt::format("the response from {} to {} Hz is {}, expected numbers above 0",
+                               rounded_text(band.from.value), rounded_text(band.to.value),
+                               sum == 0.0 ? "0" : "not finite")};
+  }
+  const double least_v =
+      noise.unit_noise_v() * std::sqrt(2.0 * band.to.value / board.master_clock.value / board.max_capacitor);
+  const double most = board.full_scale_v / least_v;
+  if (peak <= most && peak >= 1.0 / most) return std::nullopt;
+  return Refusal{fmt::format(
+      "the largest gain from {} to {} Hz is {}, beyond what the noise of a capacitor leaves, expected {} to {}",
+      rounded_text(band.from.value), rounded_text(band.to.value), rounded_text(peak, 3),
+      rounded_text(1.0 / most, 2), rounded_text(most, 2))};
 }
 
 /// Every pole is held by an op-amp: what has more poles than the board has op-amps needs no search.
@@ -292,7 +308,7 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
         rounded_text(band.to.value), options.band ? "" : " (the sections' highest corner)",
         rounded_text(board.master_clock.value))};
   }
-  if (const auto refusal = not_a_response(sections, band)) return *refusal;
+  if (const auto refusal = not_a_response(sections, band, board, options.assumptions.noise)) return *refusal;
   if (const auto refusal = too_many_poles(sections, board)) return *refusal;
   // Who asks for a clock or for the vendor's CAMs alone is told what these come to, whatever it is.
   const bool given = options.clock || options.topology != PlanOptions::Topology::automatic;

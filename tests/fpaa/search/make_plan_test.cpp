@@ -169,6 +169,12 @@ TEST(MakePlan, RefusesWithWhatWouldHelp) {
   endless.gain = 1e300;
   endless.sections[0].gain = 1e300;
   EXPECT_THAT(message(endless), HasSubstr("not finite"));
+  // Refused before any search: the noise of one capacitor would fill the output, or hide it.
+  for (const double gain : {1e12, 1e100, 1e-12, 1e-100}) {
+    Sections absurd = seed_sections();
+    absurd.gain = gain;
+    EXPECT_THAT(message(absurd), HasSubstr("beyond what the noise of a capacitor leaves")) << gain;
+  }
 
   Sections fast_pole;
   fast_pole.gain = 1e300;

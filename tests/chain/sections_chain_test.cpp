@@ -82,5 +82,18 @@ TEST(SectionsChain, TwoIntegratorsBelowComplexZerosAreRefused) {
   EXPECT_THROW(chain_of(sections), InputError);
 }
 
+TEST(SectionsChain, CascadesTermsAreNamedInTheirOrder) {
+  Cascade cascade;
+  cascade.gain = 2.0;
+  cascade.terms = {{0.1, 0.5, 0.3}, {0.01, 3.0, -0.7}};
+  const Chain chain = chain_of(cascade);
+  ASSERT_EQ(chain.blocks.size(), 3u);
+  EXPECT_EQ(chain.blocks[0].part, "gain");
+  EXPECT_EQ(chain.blocks[1].part, "Term1");
+  EXPECT_EQ(chain.blocks[2].part, "Term2");
+  const RadPerSecond w{30.0};
+  EXPECT_LT(std::abs(*chain.response(w) / cascade.response(w) - 1.0), 1e-12);
+}
+
 }  // namespace
 }  // namespace bodesmith::chain

@@ -61,6 +61,25 @@ TEST(RedNoise, HasTheLikelihoodOfItsCovariance) {
   }
 }
 
+// By the triangular root of its covariance matrix: the same numbers, each of unit variance and by itself.
+TEST(RedNoise, IsWhitenedByTheRootOfItsCovariance) {
+  const RedNoise by{.correlation_samples = 12.0, .white_share = 0.3, .driving_variance = 0.04};
+  std::vector<double> y = noise(60, 9.0, 0.5, 5);
+  const auto n = static_cast<Eigen::Index>(y.size());
+  const double rho = 1.0 - 1.0 / by.correlation_samples;
+  const double red = by.driving_variance / (1.0 - rho * rho);
+  Eigen::MatrixXd covariance(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j)
+      covariance(i, j) = red * std::pow(rho, static_cast<double>(std::abs(i - j))) +
+                         (i == j ? red * by.white_share / (1.0 - by.white_share) : 0.0);
+  }
+  Eigen::VectorXd wanted = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
+  Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solveInPlace(wanted);
+  whiten(y, by);
+  for (Eigen::Index i = 0; i < n; ++i) EXPECT_NEAR(y[static_cast<std::size_t>(i)], wanted(i), 1e-9);
+}
+
 TEST(RedNoise, IsFoundAgain) {
   const RedNoise found = most_likely_red_noise({noise(20000, 50.0, 0.3, 3)});
   EXPECT_NEAR(found.correlation_samples, 50.0, 10.0);

@@ -202,13 +202,9 @@ class ChainSearch {
       c.sharing.nearest_zeros = nearest;
       for (std::size_t left_out = 0;; ++left_out) {
         c.sharing.left_out = left_out;
-        c.sharing.pair_low_passes = false;
         const std::vector<StageRoots> stages = shared_roots(sections_, c.sharing);
         if (stages.empty()) break;
         add_clocks(out, c, stages);
-        c.sharing.pair_low_passes = true;
-        const std::vector<StageRoots> paired = shared_roots(sections_, c.sharing);
-        if (paired.size() < stages.size()) add_clocks(out, c, paired);
         if (given_) break;  // who gives the clock is given every root
       }
     }

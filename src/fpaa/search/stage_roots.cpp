@@ -55,7 +55,6 @@ class RootSharing {
     for (const Complex& p : real_poles_) out_.push_back({{p}, {}, false});
     give_real();
     if (!possible_) return {};
-    if (options_.pair_low_passes) pair_low_passes();
     for (StageRoots& stage : out_) {
       stage.subtract =
           std::any_of(stage.zeros.begin(), stage.zeros.end(), [](Complex z) { return z.real() > 0.0; });
@@ -140,24 +139,6 @@ class RootSharing {
       return;
     }
     best->zeros.emplace_back(zero);
-  }
-
-  /// First-order stages without zeros, two and two.
-  void pair_low_passes() {
-    std::vector<StageRoots> kept;
-    std::optional<StageRoots> waiting;
-    for (const StageRoots& stage : out_) {
-      if (stage.second || !stage.zeros.empty()) {
-        kept.push_back(stage);
-      } else if (!waiting) {
-        waiting = stage;
-      } else {
-        kept.push_back({{waiting->poles[0], stage.poles[0]}, {}, true});
-        waiting.reset();
-      }
-    }
-    if (waiting) kept.push_back(*waiting);
-    out_ = std::move(kept);
   }
 
   /// To the stage with room whose corner is nearest in ratio (zeros at 0: the lowest corner).

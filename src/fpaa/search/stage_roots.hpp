@@ -28,10 +28,9 @@ struct StageRoots {
 struct SharingOptions {
   double lowest_clock_hz =
       0.0;  ///< corners that one ratio does not reach from there take a second-order stage with its two
-  double low_zero = 0.0;         ///< rad/s: real zeros below are put at 0
-  double far_zero = 0.0;         ///< rad/s: real zeros beyond are left out
-  bool nearest_zeros = false;    ///< zeros to the nearest poles, else the lowest to the lowest
-  bool pair_low_passes = false;  ///< real poles without zeros two and two: a biquad samples without lead
+  double low_zero = 0.0;       ///< rad/s: real zeros below are put at 0
+  double far_zero = 0.0;       ///< rad/s: real zeros beyond are left out
+  bool nearest_zeros = false;  ///< zeros to the nearest poles, else the lowest to the lowest
   std::size_t left_out =
       0;  ///< so many of the closest pole-zero pairs are left out: the others make up for them
   /// So often the lowest first-order stage and the highest become one of second order: a corner far below its clock is two

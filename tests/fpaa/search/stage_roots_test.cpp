@@ -57,16 +57,6 @@ TEST(StageRoots, LowestAndHighestJoin) {
   EXPECT_TRUE(shared_roots(sections, how).empty());
 }
 
-TEST(StageRoots, RealLowPassesPairUp) {
-  Sections sections;
-  sections.sections = {{1.0, {}, {-100.0, -300.0}}, {1.0, {-50.0}, {-40.0}}};
-  SharingOptions how = options();
-  how.pair_low_passes = true;
-  const auto stages = shared_roots(sections, how);
-  ASSERT_EQ(stages.size(), 2u);
-  EXPECT_EQ(stages[0].second != stages[1].second, true);
-}
-
 /// At a fast clock every kind of stage is its analog self, but for sign and gain.
 TEST(StageRoots, InitialCapacitorsMakeTheRoots) {
   const double w0 = 2.0 * M_PI * 1000.0;

@@ -41,8 +41,7 @@ class TimeBench final : public Bench {
       mine[i] = y[k] - record.y[k];
       sum_of_squares += mine[i] * mine[i];
     }
-    experiment_.take_out_free_responses(mine);
-    take_out_lines(mine);
+    take_out_free_values(mine);
     return !simulator_.diverged() && std::isfinite(sum_of_squares) && std::sqrt(sum_of_squares) < run_away_;
   }
 
@@ -62,19 +61,27 @@ class TimeBench final : public Bench {
     if (experiment.coarse()) o.max_turn_rad = 1.6;
     return o;
   }
-  void take_out_lines(std::span<double> residual) {
+  /// What the state at the start and the lines of the mains explain, which each record has of its own.
+  void take_out_free_values(std::span<double> residual) {
+    const auto* free = experiment_.free_responses();
+    if (free != nullptr) free->take_out(residual);
     if (lines_.empty()) return;
     std::vector<double> frequencies;
     for (std::size_t at : lines_) frequencies.push_back(simulator_.chain().blocks[at].get("frequency_hz"));
-    basis_.set(frequencies, experiment_.record(), experiment_.first(), experiment_.end());
-    basis_.take_out(residual, experiment_.free_responses());
+    if (frequencies != frequencies_hz_) {
+      frequencies_hz_ = frequencies;
+      lines_of_record_ = directions_of_lines(frequencies, experiment_.record(), experiment_.first(),
+                                             experiment_.end(), free != nullptr ? *free : Directions{});
+    }
+    lines_of_record_.take_out(residual);
   }
 
   TimeExperiment experiment_;
   simulate::RecordSimulator simulator_;
   std::vector<std::size_t> lines_;
   double run_away_ = 0.0;
-  LineBasis basis_;
+  std::vector<double> frequencies_hz_;  ///< of
+  Directions lines_of_record_;
 };
 
 class FrequencyBench final : public Bench {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "gap/runner.hpp"
 #include "signal/statistics.hpp"
@@ -24,26 +24,6 @@ constexpr double kMinOwnPart = 1e-3;
 
 double off_from_given(const Unknown& u, double value) {
   return u.logarithmic ? std::log(value / u.given) : value - u.given;
-}
-
-void take_out(std::vector<double>& v, const Directions& directions) {
-  for (const auto& q : directions) {
-    const double part = std::inner_product(v.begin(), v.end(), q.begin(), 0.0);
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] -= part * q[i];
-  }
-}
-
-/// v made orthonormal to the directions and added to them, unless they explain it.
-void add_direction(Directions& directions, std::vector<double> v) {
-  const double size = rms(v);
-  if (!(size > 0.0) || !std::isfinite(size)) return;
-  for (double& x : v) x /= size;
-  for (int twice = 0; twice < 2; ++twice) take_out(v, directions);
-  const double left = rms(v);
-  if (left < kMinOwnPart) return;
-  const double length = left * std::sqrt(static_cast<double>(v.size()));
-  for (double& x : v) x /= length;
-  directions.push_back(std::move(v));
 }
 
 }  // namespace
@@ -95,7 +75,7 @@ Directions free_responses(const Model& model, const TimeExperiment& experiment, 
     state = 0.0;
     std::vector<double> response(base.size());
     for (std::size_t i = 0; i < response.size(); ++i) response[i] = (y[i] - base[i]) / nudge;
-    add_direction(directions, std::move(response));
+    directions.add(std::move(response), kMinOwnPart);
   }
   return directions;
 }

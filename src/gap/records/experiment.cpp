@@ -1,7 +1,6 @@
 #include "gap/records/experiment.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "gap/records/response_weights.hpp"
 
@@ -36,15 +35,8 @@ void TimeExperiment::score_start() {
 
 void TimeExperiment::leave_out_start(std::size_t samples, Directions directions) {
   left_out_ = samples;
-  free_responses_ = directions.empty() ? nullptr : std::make_shared<const Directions>(std::move(directions));
-}
-
-void TimeExperiment::take_out_free_responses(std::span<double> residual) const {
-  if (!free_responses_) return;
-  for (const auto& direction : *free_responses_) {
-    const double part = std::inner_product(residual.begin(), residual.end(), direction.begin(), 0.0);
-    for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= part * direction[i];
-  }
+  free_responses_ =
+      directions.all().empty() ? nullptr : std::make_shared<const Directions>(std::move(directions));
 }
 
 TimeExperiment TimeExperiment::with_output(std::vector<double> y) const {

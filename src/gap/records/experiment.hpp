@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "gap/measured_response.hpp"
+#include "gap/records/directions.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::gap {
-
-/// Orthonormal directions over the scored samples of a record, one vector each.
-using Directions = std::vector<std::vector<double>>;
 
 /// A time record and which of its samples are run and scored. A value: copies share the samples of the record
 /// and nothing else.
@@ -53,10 +51,8 @@ class TimeExperiment {
   /// The first `samples` are not scored. The record began in an unknown state: what `directions` over the
   /// samples that are scored can explain (free responses) is taken out of every residual.
   void leave_out_start(std::size_t samples, Directions directions = {});
-  /// Those directions; null when there are none.
+  /// Those directions, over the scored samples; null when there are none.
   const Directions* free_responses() const { return free_responses_.get(); }
-  /// Takes what free responses can explain out of a residual over the scored samples.
-  void take_out_free_responses(std::span<double> residual) const;
 
   /// The same use of the same input with another measured output.
   TimeExperiment with_output(std::vector<double> y) const;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numeric>
+#include <utility>
 
 #include "base/units.hpp"
 #include "numeric/index.hpp"
@@ -12,9 +12,6 @@
 
 namespace bodesmith::gap {
 namespace {
-
-/// A sine that others explain but for this part of it is no direction of its own.
-constexpr double kMinOwnLine = 1e-6;
 
 /// sin and cos at `hz` over samples `from` … `end` - 1, by turning a pointer.
 std::pair<std::vector<double>, std::vector<double>> sine_and_cosine(double hz, const TimeRecord& record,
@@ -33,58 +30,16 @@ std::pair<std::vector<double>, std::vector<double>> sine_and_cosine(double hz, c
   return out;
 }
 
-void take_out_direction(std::span<double> v, const std::vector<double>& direction) {
-  const double part = std::inner_product(v.begin(), v.end(), direction.begin(), 0.0);
-  for (std::size_t i = 0; i < v.size(); ++i) v[i] -= part * direction[i];
-}
-
-double length_of(const std::vector<double>& v) {
-  return std::sqrt(std::inner_product(v.begin(), v.end(), v.begin(), 0.0));
-}
-
 }  // namespace
 
-void LineBasis::set(std::span<const double> frequencies_hz, const TimeRecord& record, std::size_t from,
-                    std::size_t end) {
-  if (from == from_ && end == end_ &&
-      std::equal(frequencies_hz.begin(), frequencies_hz.end(), frequencies_hz_.begin(),
-                 frequencies_hz_.end()))
-    return;
-  frequencies_hz_.assign(frequencies_hz.begin(), frequencies_hz.end());
-  from_ = from;
-  end_ = end;
-  directions_.clear();
-  orthonormal_ = false;
+Directions directions_of_lines(std::span<const double> frequencies_hz, const TimeRecord& record,
+                               std::size_t from, std::size_t end, Directions beside) {
   for (double hz : frequencies_hz) {
     auto [sine, cosine] = sine_and_cosine(hz, record, from, end);
-    directions_.push_back(std::move(sine));
-    directions_.push_back(std::move(cosine));
+    beside.add(std::move(sine));
+    beside.add(std::move(cosine));
   }
-}
-
-void LineBasis::make_orthonormal(const Directions* beside) {
-  Directions kept;
-  for (auto& v : directions_) {
-    const double size = length_of(v);
-    for (int twice = 0; twice < 2; ++twice) {
-      if (beside != nullptr) {
-        for (const auto& d : *beside) take_out_direction(v, d);
-      }
-      for (const auto& d : kept) take_out_direction(v, d);
-    }
-    const double left = length_of(v);
-    if (!(left > kMinOwnLine * size)) continue;
-    for (double& x : v) x /= left;
-    kept.push_back(std::move(v));
-  }
-  directions_ = std::move(kept);
-  orthonormal_ = true;
-}
-
-void LineBasis::take_out(std::span<double> residual, const Directions* beside) {
-  if (directions_.empty()) return;
-  if (!orthonormal_) make_orthonormal(beside);
-  for (const auto& d : directions_) take_out_direction(residual, d);
+  return beside;
 }
 
 std::vector<FittedLine> fit_lines(std::span<const double> frequencies_hz, const TimeRecord& record,

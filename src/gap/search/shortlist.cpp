@@ -14,48 +14,18 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// A direction that others explain but for this part of it is none of its own.
-constexpr double kMinOwnDirection = 1e-5;
 /// With more starts than this the change itself is enough; with fewer, the unknowns' own directions are worth
 /// their runs.
 constexpr std::size_t kFewStarts = 6;
 /// Step of an unknown for its own direction, as a part of it.
 constexpr double kDirectionStep = 0.02;
 
-/// Orthonormal directions built one at a time; nearly dependent ones are left out.
-class Span {
- public:
-  void add(Vector v) {
-    const double size = v.norm();
-    if (!(size > 0.0) || !std::isfinite(size)) return;
-    v /= size;
-    for (int twice = 0; twice < 2; ++twice) v = without(std::move(v));
-    const double left = v.norm();
-    if (left < kMinOwnDirection) return;
-    directions_.push_back(v / left);
-  }
-  Vector without(Vector v) const {
-    for (const auto& d : directions_) v -= d * d.dot(v);
-    return v;
-  }
-  /// The part of v along the directions from number `first` on.
-  Vector along(const Vector& v, std::size_t first) const {
-    Vector part = Vector::Zero(v.size());
-    for (std::size_t d = first; d < directions_.size(); ++d) part += directions_[d] * directions_[d].dot(v);
-    return part;
-  }
-  std::size_t size() const { return directions_.size(); }
-
- private:
-  std::vector<Vector> directions_;
-};
-
 /// What proposals are compared with.
 struct PresentModel {
-  Vector residuals;     ///< model - measured
-  Span known;           ///< what its own unknowns can change
-  Vector unexplained;   ///< the residuals without that
-  double energy = 0.0;  ///< of the residuals
+  std::vector<double> residuals;  ///< model - measured
+  Directions known;               ///< what its own unknowns can change
+  Vector unexplained;             ///< the residuals without that
+  double energy = 0.0;            ///< of the residuals
   double unexplained_energy = 0.0;
   /// Residuals are logarithms: a delay of any size then promises the same, and the nearest start is the best.
   bool logarithmic = false;
@@ -93,17 +63,18 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
     std::copy(proposal.starts[s].begin(), proposal.starts[s].end(),
               values.begin() + static_cast<std::ptrdiff_t>(first));
     if (!runner(values, out)) continue;
-    Span more = present.known;
+    Directions more = present.known;
     const Vector here = as_eigen(out);
-    more.add(here - present.residuals);
+    more.add(to_vector(here - as_eigen(present.residuals)));
     for (std::size_t k = 0; k < unknowns.size() && proposal.starts.size() <= kFewStarts; ++k) {
       auto other = values;
       other[first + k] = moved_value(unknowns[k], values[first + k]);
-      if (runner(other, moved)) more.add(as_eigen(moved) - here);
+      if (runner(other, moved)) more.add(to_vector(as_eigen(moved) - here));
     }
-    const Vector part = more.along(present.unexplained, present.known.size());
-    const double score =
-        present.unexplained_energy > 0.0 ? part.squaredNorm() / present.unexplained_energy : 0.0;
+    double along = 0.0;
+    for (std::size_t d = present.known.all().size(); d < more.all().size(); ++d)
+      along += std::pow(as_eigen(more.all()[d]).dot(present.unexplained), 2);
+    const double score = present.unexplained_energy > 0.0 ? along / present.unexplained_energy : 0.0;
     scores.push_back({s, score, present.energy > 0.0 ? here.squaredNorm() / present.energy : 0.0});
   }
   std::stable_sort(scores.begin(), scores.end(), [&](const StartScore& a, const StartScore& b) {
@@ -131,14 +102,15 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   std::vector<Promising> all;
   if (!runner(values, out)) return all;
   PresentModel present;
-  present.residuals = as_eigen(out);
-  present.energy = present.residuals.squaredNorm();
+  present.residuals = out;
+  present.energy = as_eigen(out).squaredNorm();
   present.logarithmic = are_responses(look);
   const auto residuals = [&](std::span<const double> v, std::vector<double>& o) { return runner(v, o); };
   for (const auto& column : sensitivities(model.unknowns(), residuals, values, runner.threads())) {
-    if (!column.empty()) present.known.add(as_eigen(column));
+    if (!column.empty()) present.known.add(column);
   }
-  present.unexplained = present.known.without(present.residuals);
+  present.known.take_out(out);
+  present.unexplained = as_eigen(out);
   present.unexplained_energy = present.unexplained.squaredNorm();
   all.resize(proposals.size());
   parallel_for(proposals.size(), threads, [&](std::size_t i) {

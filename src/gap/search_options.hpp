@@ -47,20 +47,14 @@ struct RoundOptions {
   int more_forms_of_response = 2;
   /// Share of the residual's energy that a candidate must promise: half of what it must take in the end.
   double min_score = 0.03;
-  double in_the_running = 2.0;  ///< times the best candidate's rms, within which evidence is asked for
-  std::size_t successors = 5;   ///< effects that are fitted in the place of one
-  int first_iterations = 3;     ///< that each start of a candidate gets before the best ones go on
+  std::size_t successors = 5;  ///< effects that are fitted in the place of one
+  int first_iterations = 3;    ///< that each start of a candidate gets before the best ones go on
   double first_tolerance = 1e-3;
   std::size_t few_unknowns = 4;  ///< of terms whose several starts are tried
   double tolerance = 1e-6;
-  int iterations_a_stage = 5;
-  int stages = 6;
-  double far_behind = 3.0;  ///< times the leader's rms: such a fit stays where it is,
-  double behind = 1.1;      ///< and so does one behind by this
-  double no_nearer = 0.95;  ///< whose last stage left more than this of its rms
+  double far_behind = 3.0;  ///< times the leader's rms: such a fit stays where it is
   double far_ahead = 0.8;  ///< times a fit's rms: another place of a linear effect whose values it then gets,
-  int stages_of_shared = 3;  ///< for so many stages
-  double weakened = 8.0;     ///< factor by which the last earlier term is made weak for one more start
+  double weakened = 8.0;   ///< factor by which the last earlier term is made weak for one more start
 };
 
 /// What takes less is of no use, however sure it is [4].
@@ -90,7 +84,6 @@ struct SearchOptions {
   double enough = 1.2;        ///< times the floor: explained, but for signs of more [3, 9]
   int iterations = 40;        ///< of a fit from afar,
   int refit_iterations = 12;  ///< and of one that follows a move
-  double plainly_more = 1.5;  ///< times the floor: something is left, whatever the signs [9]
   int threads = 2;
   std::function<void(double)> progress;  ///< fraction of the work, roughly
   std::function<bool()> stop;            ///< true: keep the best so far and return

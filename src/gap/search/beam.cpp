@@ -31,8 +31,6 @@ constexpr double kBaseFitted = 0.05;
 constexpr double kRounds = 0.9;
 /// Moves in a row that put one name in another's place, or take one out.
 constexpr int kMaxTurns = 4;
-/// A move must raise the evidence by so much: less is the fits' own doing.
-constexpr double kPlainlyMore = 0.5;
 
 std::string names_in_words(const Model& model) {
   const auto names = names_of(model);
@@ -151,7 +149,7 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     }
     const auto* best = best_of(setting, records, others.model, ranking);
     set.rivals[k] = {ranking, others.log_evidence};
-    if (best == nullptr || !(best->log_evidence > set.log_evidence + kPlainlyMore)) continue;
+    if (best == nullptr || !(best->log_evidence > set.log_evidence)) continue;
     auto other = with_candidate(others, *best, ranking);
     // The same name again is what stands at better values, or at another place.
     if (best->effect == set.model.terms()[k].effect) {
@@ -186,7 +184,7 @@ std::optional<PlacedSet> exchanged_from_tie(const SearchSetting& setting, const 
       tie.log_evidence = r.log_evidence;
       tie.train_rms = r.train_rms;
       auto other = exchanged(setting, records, tie, true, tried);
-      if (other && other->log_evidence > set.log_evidence + kPlainlyMore) return other;
+      if (other && other->log_evidence > set.log_evidence) return other;
     }
   }
   return std::nullopt;
@@ -285,7 +283,7 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
     grow(setting, other, false);
     // By the records of the one that stands.
     const double evidence = log_evidence(other.best.model, beam.records.train);
-    if (!(evidence > beam.best.log_evidence + kPlainlyMore)) continue;
+    if (!(evidence > beam.best.log_evidence)) continue;
     const bool left = is_something_left(options, other.best.model, other.records);
     other.best.notes.push_back(names_in_words(other.best.model) +
                                ", looked for together, came further than one name after the other");

@@ -87,7 +87,6 @@ std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchR
 struct Racer {
   std::size_t candidate = 0;
   FittedModel now;
-  bool stopped = false;
 };
 
 double least_rms(const std::vector<Racer>& racers) {
@@ -96,35 +95,17 @@ double least_rms(const std::vector<Racer>& racers) {
   return least;
 }
 
-bool has_arrived(const FittedModel& fitted) {
-  return fitted.result.termination != Termination::max_iterations;
-}
-
-/// Stage by stage, until all have arrived or stay where they are.
+/// On to where they end, but for those far behind the best.
 void race(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
-  const auto& limits = setting.options.round;
-  auto options = fit_options(setting.options, limits.iterations_a_stage);
-  options.cost_tolerance = limits.tolerance;
-  for (int stage = 0; stage < limits.stages && !setting.options.is_late(); ++stage) {
-    const double before = least_rms(racers);
-    for (auto& r : racers) r.stopped = r.stopped || r.now.result.rms > limits.far_behind * before;
-    std::vector<double> reached(racers.size());
-    parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-      auto& r = racers[i];
-      reached[i] = r.now.result.rms;
-      if (r.stopped) return;
-      auto fitted = fit(r.now.model, records.look(), options);
-      r.stopped = !fitted.result.usable() || has_arrived(fitted);
-      if (fitted.result.usable() && fitted.result.rms <= r.now.result.rms) r.now = std::move(fitted);
-    });
-    const double leader = least_rms(racers);
-    for (std::size_t i = 0; i < racers.size(); ++i) {
-      auto& r = racers[i];
-      const bool no_nearer = r.now.result.rms > limits.no_nearer * reached[i];
-      if (r.now.result.rms > limits.behind * leader && no_nearer) r.stopped = true;
-    }
-    if (std::all_of(racers.begin(), racers.end(), [](const Racer& r) { return r.stopped; })) return;
-  }
+  auto options = fit_options(setting.options, setting.options.iterations);
+  options.cost_tolerance = setting.options.round.tolerance;
+  const double most = setting.options.round.far_behind * least_rms(racers);
+  parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
+    auto& now = racers[i].now;
+    if (now.result.rms > most || setting.options.is_late()) return;
+    auto fitted = fit(now.model, records.look(), options);
+    if (fitted.result.usable() && fitted.result.rms <= now.result.rms) now = std::move(fitted);
+  });
 }
 
 /// The best of the values around the one that unknown `at` has, the others as they are.
@@ -148,7 +129,7 @@ bool hop_around(Runner& runner, std::vector<double>& values, std::size_t at, con
 /// Values that a fit cannot slide along, tried coarsely and finely around where it ended, then fitted on.
 void comb(const SearchSetting& setting, const SearchRecords& records, Racer& racer) {
   const auto unknowns = racer.now.model.unknowns();
-  auto options = fit_options(setting.options, setting.options.round.iterations_a_stage);
+  auto options = fit_options(setting.options, setting.options.refit_iterations);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (unknowns[at].hop <= 0.0 || setting.options.is_late()) continue;
     for (const auto& hops : kHops) {
@@ -170,7 +151,7 @@ void comb(const SearchSetting& setting, const SearchRecords& records, Racer& rac
 void comb_leaders(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
   const double leader = least_rms(racers);
   parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-    if (racers[i].now.result.rms < setting.options.round.in_the_running * leader)
+    if (racers[i].now.result.rms < setting.options.round.far_behind * leader)
       comb(setting, records, racers[i]);
   });
 }
@@ -180,7 +161,7 @@ void comb_leaders(const SearchSetting& setting, const SearchRecords& records, st
 void share_values(const SearchSetting& setting, const SearchRecords& records,
                   const std::vector<Promising>& candidates, std::vector<Racer>& racers) {
   const auto& limits = setting.options.round;
-  const auto options = fit_options(setting.options, limits.iterations_a_stage * limits.stages_of_shared);
+  const auto options = fit_options(setting.options, setting.options.iterations);
   const auto names = [&](const Racer& r) {
     std::vector<std::string_view> all;
     for (const auto& term : candidates[r.candidate].proposal.model.terms()) {
@@ -198,7 +179,7 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
     if (!effect->facts().linear || term.undo) continue;
     for (const auto& other : racers) {
       if (candidates[other.candidate].proposal.model.terms().back().effect != effect) continue;
-      if (!(other.now.result.rms < limits.in_the_running * leader)) continue;
+      if (!(other.now.result.rms < limits.far_behind * leader)) continue;
       if (!(other.now.result.rms < limits.far_ahead * racers[i].now.result.rms)) continue;
       if (names(other) != names(racers[i])) continue;
       if (from[i] == nullptr || other.now.result.rms < from[i]->now.result.rms) from[i] = &other;
@@ -228,7 +209,7 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   });
   std::vector<Racer> racers;
   for (std::size_t i = 0; i < begun.size(); ++i) {
-    if (begun[i]) racers.push_back({i, std::move(*begun[i]), false});
+    if (begun[i]) racers.push_back({i, std::move(*begun[i])});
   }
   race(setting, records, racers);
   comb_leaders(setting, records, racers);

@@ -96,7 +96,7 @@ std::vector<Sign> signs_left(const Model& model, const SearchRecords& records) {
 bool is_something_left(const SearchOptions& options, const Model& model, const SearchRecords& records) {
   const auto floor = floor_under(model, records);
   if (floor.source == NoiseFloor::Source::periods &&
-      rms_of(model, records.train) > options.plainly_more * floor.rms)
+      rms_of(model, records.train) > options.enough * floor.rms)
     return true;
   return !signs_left(model, records).empty();
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
@@ -129,8 +128,8 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
   });
 }
 
-/// What each is called beforehand.
-void look_at_names(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
+/// What each is called beforehand, and its evidence.
+void weigh(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
   parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
     auto& r = ranking[i];
     const std::size_t last = r.model.terms().size() - 1;
@@ -141,19 +140,7 @@ void look_at_names(const SearchSetting& setting, const SearchRecords& records, s
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
     if (r.effect->is_implausible(r.model, scene))
       r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogImplausible);
-  });
-}
-
-/// The evidence of each but those far behind the best name.
-void weigh(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
-  double best = std::numeric_limits<double>::infinity();
-  for (const auto& r : ranking) {
-    if (r.outcome != CandidateOutcome::no_name) best = std::min(best, r.train_rms);
-  }
-  parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
-    auto& r = ranking[i];
-    if (r.train_rms <= setting.options.round.in_the_running * best)
-      r.log_evidence = log_evidence(r.model, records.train);
+    r.log_evidence = log_evidence(r.model, records.train);
   });
 }
 
@@ -171,7 +158,6 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
     std::stable_sort(ranking.begin(), ranking.end(), by_rms);
   }
   if (ranking.empty()) return ranking;
-  look_at_names(setting, records, ranking);
   weigh(setting, records, ranking);
   std::stable_sort(ranking.begin(), ranking.end(), more_evident);
   return ranking;

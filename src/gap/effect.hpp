@@ -26,7 +26,7 @@ struct EffectFacts {
       false;  ///< the same in frequency responses, where each shows at a place of its own
   /// Its start values are found in the residual, so they are worth finding from more than one model.
   bool starts_from_residual = false;
-  int places_a_round = 2;  ///< that are fitted at the most, one more when it is of another form
+  int places_a_round = 2;  ///< and forms, that are fitted at the most
 
   bool may_repeat(bool in_response) const { return repeatable || (in_response && repeatable_in_response); }
 };

@@ -63,7 +63,7 @@ std::optional<Sign> sign_of_refused(const SearchResult& result) {
 SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& given) {
   SearchOptions options = given;
   // Fits of responses are quick, so that none is given up behind the leader.
-  if (are_responses(train)) options.round.far_behind = std::numeric_limits<double>::infinity();
+  if (are_responses(train)) options.round.far_behind = options.round.behind = 1e12;
   SearchResult result;
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));

@@ -52,7 +52,11 @@ struct RoundOptions {
   double first_tolerance = 1e-3;
   std::size_t few_unknowns = 4;  ///< of terms whose several starts are tried
   double tolerance = 1e-6;
-  double far_behind = 3.0;  ///< times the leader's rms: such a fit stays where it is
+  int iterations_a_stage = 5;
+  int stages = 6;
+  double far_behind = 3.0;  ///< times the leader's rms: such a fit stays where it is,
+  double behind = 1.1;      ///< and so does one behind by this
+  double no_nearer = 0.95;  ///< whose last stage left more than this of its rms
   double far_ahead = 0.8;  ///< times a fit's rms: another place of a linear effect whose values it then gets,
   double weakened = 8.0;   ///< factor by which the last earlier term is made weak for one more start
 };

@@ -16,13 +16,13 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Hops to both sides of where a fit ended, longer and then shorter than the unknown's own by these. An edge that crosses a sample
+/// Hops to both sides of where a fit ended, as long as the unknown's own and then shorter by these. An edge that crosses a sample
 /// changes it whole: the sum of squares comes to its least in a cusp, where a fit stops beside it.
 struct Hops {
   double length;
   int count;
 };
-constexpr std::array kHops = {Hops{15.0, 20}, Hops{1.0, 20}, Hops{0.2, 6}, Hops{0.04, 6}, Hops{0.008, 6}};
+constexpr std::array kHops = {Hops{1.0, 20}, Hops{0.04, 6}};
 
 /// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
@@ -87,6 +87,7 @@ std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchR
 struct Racer {
   std::size_t candidate = 0;
   FittedModel now;
+  bool stopped = false;
 };
 
 double least_rms(const std::vector<Racer>& racers) {
@@ -95,17 +96,35 @@ double least_rms(const std::vector<Racer>& racers) {
   return least;
 }
 
-/// On to where they end, but for those far behind the best.
+bool has_arrived(const FittedModel& fitted) {
+  return fitted.result.termination != Termination::max_iterations;
+}
+
+/// Stage by stage, until all have arrived or stay where they are.
 void race(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
-  auto options = fit_options(setting.options, setting.options.iterations);
-  options.cost_tolerance = setting.options.round.tolerance;
-  const double most = setting.options.round.far_behind * least_rms(racers);
-  parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-    auto& now = racers[i].now;
-    if (now.result.rms > most || setting.options.is_late()) return;
-    auto fitted = fit(now.model, records.look(), options);
-    if (fitted.result.usable() && fitted.result.rms <= now.result.rms) now = std::move(fitted);
-  });
+  const auto& limits = setting.options.round;
+  auto options = fit_options(setting.options, limits.iterations_a_stage);
+  options.cost_tolerance = limits.tolerance;
+  for (int stage = 0; stage < limits.stages && !setting.options.is_late(); ++stage) {
+    const double before = least_rms(racers);
+    for (auto& r : racers) r.stopped = r.stopped || r.now.result.rms > limits.far_behind * before;
+    std::vector<double> reached(racers.size());
+    parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
+      auto& r = racers[i];
+      reached[i] = r.now.result.rms;
+      if (r.stopped) return;
+      auto fitted = fit(r.now.model, records.look(), options);
+      r.stopped = !fitted.result.usable() || has_arrived(fitted);
+      if (fitted.result.usable() && fitted.result.rms <= r.now.result.rms) r.now = std::move(fitted);
+    });
+    const double leader = least_rms(racers);
+    for (std::size_t i = 0; i < racers.size(); ++i) {
+      auto& r = racers[i];
+      const bool no_nearer = r.now.result.rms > limits.no_nearer * reached[i];
+      if (r.now.result.rms > limits.behind * leader && no_nearer) r.stopped = true;
+    }
+    if (std::all_of(racers.begin(), racers.end(), [](const Racer& r) { return r.stopped; })) return;
+  }
 }
 
 /// The best of the values around the one that unknown `at` has, the others as they are.
@@ -129,7 +148,7 @@ bool hop_around(Runner& runner, std::vector<double>& values, std::size_t at, con
 /// Values that a fit cannot slide along, tried coarsely and finely around where it ended, then fitted on.
 void comb(const SearchSetting& setting, const SearchRecords& records, Racer& racer) {
   const auto unknowns = racer.now.model.unknowns();
-  auto options = fit_options(setting.options, setting.options.refit_iterations);
+  auto options = fit_options(setting.options, setting.options.round.iterations_a_stage);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (unknowns[at].hop <= 0.0 || setting.options.is_late()) continue;
     for (const auto& hops : kHops) {
@@ -209,7 +228,7 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   });
   std::vector<Racer> racers;
   for (std::size_t i = 0; i < begun.size(); ++i) {
-    if (begun[i]) racers.push_back({i, std::move(*begun[i])});
+    if (begun[i]) racers.push_back({i, std::move(*begun[i]), false});
   }
   race(setting, records, racers);
   comb_leaders(setting, records, racers);

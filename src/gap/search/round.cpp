@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
@@ -64,8 +65,7 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
   return promising;
 }
 
-/// The best places of each effect, one more when it is of another form (number of unknowns), of the best
-/// effects.
+/// The best places of each of the best effects.
 class Choice {
  public:
   /// `more_forms`: as many more of an effect.
@@ -76,17 +76,10 @@ class Choice {
     for (auto& p : promising) {
       const auto* effect = effect_of(p.proposal);
       if (p.score < min_score_ || done.count(effect) != 0) continue;
-      const std::size_t form = p.proposal.model.terms().back().unknowns.size();
-      const bool new_form = forms_[effect].count(form) == 0;
-      if (places_[effect] >= effect->facts().places_a_round + more_forms_ + (new_form ? 1 : 0)) continue;
-      // What changes inside a base block is of that block alone, and may act for a short time only (behind
-      // every turn): a small share of the whole does not keep it out.
-      const bool inside = static_cast<bool>(p.proposal.model.terms().back().undo);
-      if (!inside && effects_.count(effect) == 0 && outside_ >= max_effects) continue;
-      if (!inside && effects_.count(effect) == 0) ++outside_;
+      if (places_[effect] >= effect->facts().places_a_round + more_forms_) continue;
+      if (effects_.count(effect) == 0 && effects_.size() >= max_effects) continue;
       effects_.insert(effect);
       ++places_[effect];
-      forms_[effect].insert(form);
       chosen_.push_back(std::move(p));
     }
   }
@@ -107,9 +100,7 @@ class Choice {
   double min_score_;
   int more_forms_;
   std::map<const Effect*, int> places_;
-  std::map<const Effect*, std::set<std::size_t>> forms_;
   std::set<const Effect*> effects_;
-  std::size_t outside_ = 0;  ///< of them, with blocks of their own
   std::vector<Promising> chosen_;
 };
 
@@ -128,8 +119,10 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
   });
 }
 
-/// What each is called beforehand, and its evidence.
+/// What each is called beforehand, and the evidence of all but those far behind the best.
 void weigh(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& r : ranking) best = std::min(best, r.train_rms);
   parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
     auto& r = ranking[i];
     const std::size_t last = r.model.terms().size() - 1;
@@ -140,7 +133,8 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
     if (r.effect->is_implausible(r.model, scene))
       r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogImplausible);
-    r.log_evidence = log_evidence(r.model, records.train);
+    if (r.train_rms <= setting.options.round.far_behind * best)
+      r.log_evidence = log_evidence(r.model, records.train);
   });
 }
 

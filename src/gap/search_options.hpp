@@ -47,8 +47,9 @@ struct RoundOptions {
   int more_forms_of_response = 2;
   /// Share of the residual's energy that a candidate must promise: half of what it must take in the end.
   double min_score = 0.03;
-  std::size_t successors = 5;  ///< effects that are fitted in the place of one
-  int first_iterations = 3;    ///< that each start of a candidate gets before the best ones go on
+  double in_the_running = 2.0;  ///< times the best candidate's rms, within which evidence is asked for
+  std::size_t successors = 5;   ///< effects that are fitted in the place of one
+  int first_iterations = 3;     ///< that each start of a candidate gets before the best ones go on
   double first_tolerance = 1e-3;
   std::size_t few_unknowns = 4;  ///< of terms whose several starts are tried
   double tolerance = 1e-6;

@@ -133,7 +133,7 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
     if (r.effect->is_implausible(r.model, scene))
       r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogImplausible);
-    if (r.train_rms <= setting.options.round.far_behind * best)
+    if (r.train_rms <= setting.options.round.in_the_running * best)
       r.log_evidence = log_evidence(r.model, records.train);
   });
 }

@@ -3,6 +3,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cstdlib>
 
@@ -12,19 +13,8 @@ namespace {
 std::atomic<bool> quiet_wanted{false};
 
 const char* escape_of(Tone tone) {
-  switch (tone) {
-    case Tone::error:
-      return "\x1b[1;31m";
-    case Tone::warning:
-      return "\x1b[33m";
-    case Tone::good:
-      return "\x1b[32m";
-    case Tone::strong:
-      return "\x1b[1m";
-    case Tone::faint:
-      return "\x1b[2m";
-  }
-  return "";
+  constexpr std::array kWords = {"\x1b[1;31m", "\x1b[33m", "\x1b[32m", "\x1b[1m", "\x1b[2m"};
+  return kWords.at(static_cast<std::size_t>(tone));
 }
 
 std::string_view environment(const char* name) {

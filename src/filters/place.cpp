@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -201,17 +202,8 @@ Placing placing_of(const Mask& mask, double edge) {
 }  // namespace
 
 const char* to_string(Kind kind) {
-  switch (kind) {
-    case Kind::lowpass:
-      return "lowpass";
-    case Kind::highpass:
-      return "highpass";
-    case Kind::bandpass:
-      return "bandpass";
-    case Kind::bandstop:
-      return "bandstop";
-  }
-  return "";
+  constexpr std::array kWords = {"lowpass", "highpass", "bandpass", "bandstop"};
+  return kWords.at(static_cast<std::size_t>(kind));
 }
 
 Sections place(const Prototype& prototype, const Placing& placing) {

@@ -1,5 +1,7 @@
 #include "project/filter_project.hpp"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "base/text.hpp"
@@ -74,17 +76,8 @@ tolerance::Spread read_spread(const Node& node) {
 }  // namespace
 
 std::string_view to_string(FilterProject::Fit::Method method) {
-  switch (method) {
-    case FilterProject::Fit::Method::automatic:
-      return "automatic";
-    case FilterProject::Fit::Method::interpolate:
-      return "interpolate";
-    case FilterProject::Fit::Method::bounded:
-      return "bounded";
-    case FilterProject::Fit::Method::direct:
-      return "direct";
-  }
-  return "";
+  constexpr std::array kWords = {"automatic", "interpolate", "bounded", "direct"};
+  return kWords.at(static_cast<std::size_t>(method));
 }
 
 FilterProject FilterProject::from_document(const Node& node, const fs::path& path, Provenance& from) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "approximate/method.hpp"
@@ -181,17 +182,8 @@ Project::Controller read_controller(const Node& node) {
 }  // namespace
 
 std::string_view to_string(Project::Choice choice) {
-  switch (choice) {
-    case Project::Choice::tracking:
-      return "tracking";
-    case Project::Choice::as_asked:
-      return "as_asked";
-    case Project::Choice::fewest_sections:
-      return "fewest_sections";
-    case Project::Choice::waveform:
-      return "waveform";
-  }
-  return "";
+  constexpr std::array kWords = {"tracking", "as_asked", "fewest_sections", "waveform"};
+  return kWords.at(static_cast<std::size_t>(choice));
 }
 
 Project Project::read(const fs::path& path, Provenance& from) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -129,19 +130,8 @@ Result simulate(const chain::Chain& chain, const SampledInput& input, const Opti
 }
 
 std::string_view to_string(Engine engine) {
-  switch (engine) {
-    case Engine::automatic:
-      return "automatic";
-    case Engine::record:
-      return "record";
-    case Engine::exact:
-      return "exact";
-    case Engine::cvode:
-      return "cvode";
-    case Engine::grunwald_letnikov:
-      return "grunwald-letnikov";
-  }
-  return "";
+  constexpr std::array kWords = {"automatic", "record", "exact", "cvode", "grunwald-letnikov"};
+  return kWords.at(static_cast<std::size_t>(engine));
 }
 
 Options Options::finer() const {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -153,15 +154,8 @@ std::string job_text(const Options& options, const Provenance& from) {
 }
 
 std::string_view to_string(Spread::Kind kind) {
-  switch (kind) {
-    case Spread::Kind::uniform:
-      return "uniform";
-    case Spread::Kind::gaussian:
-      return "gaussian";
-    case Spread::Kind::corners:
-      return "corners";
-  }
-  return "";
+  constexpr std::array kWords = {"uniform", "gaussian", "corners"};
+  return kWords.at(static_cast<std::size_t>(kind));
 }
 
 Result run_monte_carlo(const Design& design, const Options& options, const Team& team) {

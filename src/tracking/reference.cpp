@@ -100,17 +100,8 @@ std::vector<double> Reference::samples(std::size_t count) const {
 }
 
 std::string_view to_string(Reference::Shape shape) {
-  switch (shape) {
-    case Reference::Shape::triangle:
-      return "triangle";
-    case Reference::Shape::sine:
-      return "sine";
-    case Reference::Shape::two_tone:
-      return "two_tone";
-    case Reference::Shape::decaying_triangle:
-      return "decaying_triangle";
-  }
-  return "";
+  constexpr std::array kWords = {"triangle", "sine", "two_tone", "decaying_triangle"};
+  return kWords.at(static_cast<std::size_t>(shape));
 }
 
 }  // namespace bodesmith::tracking

@@ -187,13 +187,7 @@ std::string to_string(GeneratorForm form) {
 }
 
 std::string_view to_string(Method method) {
-  switch (method) {
-    case Method::harmonic:
-      return "harmonic";
-    case Method::cvode:
-      return "cvode";
-  }
-  return "";
+  return method == Method::harmonic ? "harmonic" : "cvode";
 }
 
 const Case* Report::find(Hertz frequency, const std::string& design) const {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -14,21 +15,8 @@ namespace bodesmith {
 namespace {
 
 std::string_view kind_name(Node::Kind kind) {
-  switch (kind) {
-    case Node::Kind::null:
-      return "null";
-    case Node::Kind::boolean:
-      return "a boolean";
-    case Node::Kind::number:
-      return "a number";
-    case Node::Kind::string:
-      return "a string";
-    case Node::Kind::array:
-      return "an array";
-    case Node::Kind::object:
-      return "an object";
-  }
-  return "?";
+  constexpr std::array kWords = {"null", "a boolean", "a number", "a string", "an array", "an object"};
+  return kWords.at(static_cast<std::size_t>(kind));
 }
 
 void expect(const Node& node, Node::Kind kind) {

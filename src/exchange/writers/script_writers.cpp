@@ -115,7 +115,24 @@ Json script_data(const Exportable& from, const Sections& sections, const Complex
   return data;
 }
 
-class OctaveWriter : public Writer {
+/// Of the templates with its ending; both languages write complex numbers alike.
+class ScriptWriter : public Writer {
+ protected:
+  Written script(const Exportable& from, const std::string& said) const {
+    const auto text = [](const std::complex<double>& c) {
+      if (c.imag() == 0.0) return number_text(c.real());
+      return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
+    };
+    const auto rendered = [&](const char* what, const Json& data) {
+      return Written{render_template(fmt::format("exchange/{}{}", what, endings()), data), {said}};
+    };
+    if (is_model(from)) return rendered("model", model_script_data(from, text));
+    if (is_plan(from)) return rendered("plan", plan_script_data(from, text));
+    return rendered("sections", script_data(from, need_sections(from, *this), text));
+  }
+};
+
+class OctaveWriter : public ScriptWriter {
  public:
   std::string_view name() const override { return "octave"; }
   std::string_view endings() const override { return ".m"; }
@@ -123,20 +140,12 @@ class OctaveWriter : public Writer {
     return "an Octave or MATLAB script that rebuilds sections, a linear model or an FPAA plan";
   }
   Written write(const Exportable& from, const ExportOptions&) const override {
-    const auto text = [](const std::complex<double>& c) {
-      if (c.imag() == 0.0) return number_text(c.real());
-      return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
-    };
-    const std::vector<std::string> said = {
-        "it compares itself with responses computed here and ends with an error where they differ"};
-    if (is_model(from)) return {render_template("exchange/model.m", model_script_data(from, text)), said};
-    if (is_plan(from)) return {render_template("exchange/plan.m", plan_script_data(from, text)), said};
-    return {render_template("exchange/sections.m", script_data(from, need_sections(from, *this), text)),
-            said};
+    return script(from,
+                  "it compares itself with responses computed here and ends with an error where they differ");
   }
 };
 
-class PythonWriter : public Writer {
+class PythonWriter : public ScriptWriter {
  public:
   std::string_view name() const override { return "python-control"; }
   std::string_view endings() const override { return ".py"; }
@@ -144,16 +153,7 @@ class PythonWriter : public Writer {
     return "a script that rebuilds sections, a linear model or an FPAA plan with python-control";
   }
   Written write(const Exportable& from, const ExportOptions&) const override {
-    const auto text = [](const std::complex<double>& c) {
-      if (c.imag() == 0.0) return number_text(c.real());
-      return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
-    };
-    const std::vector<std::string> said = {
-        "run by itself it compares python-control's system with responses computed here"};
-    if (is_model(from)) return {render_template("exchange/model.py", model_script_data(from, text)), said};
-    if (is_plan(from)) return {render_template("exchange/plan.py", plan_script_data(from, text)), said};
-    return {render_template("exchange/sections.py", script_data(from, need_sections(from, *this), text)),
-            said};
+    return script(from, "run by itself it compares python-control's system with responses computed here");
   }
 };
 

@@ -101,15 +101,8 @@ TriangleSeries triangle_series(const Disturbance& disturbance, DrivenPath path, 
 }
 
 std::string_view to_string(DrivenPath path) {
-  switch (path) {
-    case DrivenPath::whole:
-      return "whole";
-    case DrivenPath::ascending:
-      return "ascending";
-    case DrivenPath::descending:
-      return "descending";
-  }
-  return "";
+  constexpr std::array kWords = {"whole", "ascending", "descending"};
+  return kWords.at(static_cast<std::size_t>(path));
 }
 
 std::vector<Hertz> operating_frequencies(const Disturbance& disturbance) {

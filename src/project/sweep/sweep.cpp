@@ -1,6 +1,7 @@
 #include "project/sweep/sweep.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "base/documents/document.hpp"
@@ -123,15 +124,8 @@ std::vector<std::uint64_t> run_own(const std::vector<Variant>& variants,
 }  // namespace
 
 std::string_view to_string(SweptVariant::Status status) {
-  switch (status) {
-    case Status::done:
-      return "done";
-    case Status::limit_missed:
-      return "limit_missed";
-    case Status::refused:
-      return "refused";
-  }
-  return "";
+  constexpr std::array kWords = {"done", "limit_missed", "refused"};
+  return kWords.at(static_cast<std::size_t>(status));
 }
 
 bool Sweep::limits_met() const {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -36,15 +37,8 @@ Options::Options()
       fast_opamp(schematic::OpAmpLibrary::built_in().named("AD8066")) {}
 
 std::string_view to_string(Form form) {
-  switch (form) {
-    case Form::one_pass:
-      return "seed";
-    case Form::two_pass:
-      return "two-pass";
-    case Form::self_fed:
-      return "self-fed";
-  }
-  return {};
+  constexpr std::array kWords = {"seed", "two-pass", "self-fed"};
+  return kWords.at(static_cast<std::size_t>(form));
 }
 
 Form form_named(const std::string& name) {

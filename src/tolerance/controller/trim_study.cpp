@@ -1,7 +1,9 @@
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
 #include "numeric/random.hpp"
 #include "tolerance/controller/trim.hpp"
@@ -48,32 +50,6 @@ class TrimModel {
 constexpr double kWorth = 0.97;
 /// Readings that are still off by more than this share of where they began, after all rounds, are not settled.
 constexpr double kSettled = 0.05;
-
-/// x with a x = b, by elimination with pivots; false when a is nearly singular.
-bool solve_small(std::vector<std::vector<double>> a, std::vector<double>& b) {
-  const std::size_t n = b.size();
-  double greatest = 0.0;
-  for (const auto& row : a)
-    for (const double value : row) greatest = std::max(greatest, std::abs(value));
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t pivot = k;
-    for (std::size_t i = k + 1; i < n; ++i)
-      if (std::abs(a[i][k]) > std::abs(a[pivot][k])) pivot = i;
-    if (!(std::abs(a[pivot][k]) > 1e-6 * greatest)) return false;
-    std::swap(a[k], a[pivot]);
-    std::swap(b[k], b[pivot]);
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = a[i][k] / a[k][k];
-      for (std::size_t j = k; j < n; ++j) a[i][j] -= factor * a[k][j];
-      b[i] -= factor * b[k];
-    }
-  }
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = k + 1; j < n; ++j) b[k] -= a[k][j] * b[j];
-    b[k] /= a[k][k];
-  }
-  return true;
-}
 
 std::vector<Reading> all_readings(bool slope) {
   using Kind = Reading::Kind;
@@ -144,16 +120,19 @@ TrimModel::TrimModel(const controller::AnalogController& controller, const track
 /// Settings that put the picked readings right; empty when they cannot.
 std::vector<double> TrimModel::settings(const std::vector<Pick>& picks,
                                         const std::vector<double>& readings) const {
-  std::vector<std::vector<double>> a;
-  for (const Pick& row : picks) {
-    std::vector<double> line;
-    for (const Pick& column : picks) line.push_back(moved_[causes_ + column.trim][row.reading]);
-    a.push_back(std::move(line));
+  constexpr double kNearlySingular = 1e-6;
+  const auto n = eigen_index(picks.size());
+  Eigen::MatrixXd a(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j)
+      a(i, j) = moved_[causes_ + picks[std_index(j)].trim][picks[std_index(i)].reading];
   }
-  std::vector<double> b;
-  for (const double value : readings) b.push_back(-value);
-  if (!solve_small(std::move(a), b)) return {};
-  return b;
+  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(a);
+  if (!(lu.matrixLU().diagonal().cwiseAbs().minCoeff() > kNearlySingular * a.cwiseAbs().maxCoeff()))
+    return {};
+  std::vector<double> out(picks.size());
+  as_eigen(out) = -lu.solve(as_eigen(readings));
+  return out;
 }
 
 /// Sum over the causes of |e_i + sum_k p_k t_k|^2, and what noise in the readings adds.

@@ -120,11 +120,13 @@ std::string trade_off_text(const fpaa::Plan& plan) {
   if (plan.trade_off.empty()) return "";
   std::vector<std::string> points;
   for (const fpaa::TradeOff& at : plan.trade_off) {
-    points.push_back(fmt::format("{} {} %{}", engineering_text(at.at_input_v, "V", 3),
-                                 rounded_text(at.p95_percent, 2), at.chosen ? " (taken)" : ""));
+    points.push_back(fmt::format("{} {} % ({} designed{})", engineering_text(at.at_input_v, "V", 3),
+                                 rounded_text(at.p95_percent, 2), rounded_text(at.designed_percent, 2),
+                                 at.chosen ? ", taken" : ""));
   }
-  return fmt::format("error against input, of designs that no other one beats in both: {}\n",
-                     join(points, ", "));
+  return fmt::format(
+      "error of 95 % of boards against input, of designs that no other one beats in both and by design: {}\n",
+      join(points, ", "));
 }
 
 void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, const Json& json,

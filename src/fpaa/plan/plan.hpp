@@ -80,7 +80,7 @@ struct PlanTotal {
   double image_percent = 0.0;
 };
 
-/// A design that the search found and that no other one found beats in both, error and input.
+/// A design that the search found and that no other one found beats in all three: error by design, of 95 % of boards, and input.
 struct TradeOff {
   double at_input_v = 0.0;
   double designed_percent = 0.0;

@@ -207,8 +207,7 @@ DesignScore score_of(const Plan& plan, const Board& board) {
   return out;
 }
 
-/// Of plans with their figures the one that takes the first place by them, and the curve of those that no other one beats in both,
-/// error and input.
+/// Of plans with their figures the one that takes the first place by them, and the curve of TradeOff.
 Plan best_of(std::vector<FoundPlan> found, const Board& board) {
   std::vector<TradeOff> curve;
   std::pair<bool, double> least{true, std::numeric_limits<double>::infinity()};
@@ -227,7 +226,8 @@ Plan best_of(std::vector<FoundPlan> found, const Board& board) {
   curve[best].chosen = true;
   std::erase_if(curve, [all = curve](const TradeOff& at) {
     return !at.chosen && std::any_of(all.begin(), all.end(), [&](const TradeOff& other) {
-      return other.at_input_v >= at.at_input_v && other.p95_percent < at.p95_percent;
+      return other.at_input_v >= at.at_input_v && other.designed_percent <= at.designed_percent &&
+             other.p95_percent < at.p95_percent;
     });
   });
   std::stable_sort(curve.begin(), curve.end(),
@@ -259,10 +259,10 @@ void state_trade_off(Plan& plan, const Board& board) {
     plan.trade_off.clear();
     return;
   }
-  plan.notes.push_back(
-      fmt::format("Not all that is wanted was found together: {}. The design is the knee of error against "
-                  "input, of {} that no other one beats in both.",
-                  join(missed, "; "), plan.trade_off.size()));
+  plan.notes.push_back(fmt::format(
+      "Not all that is wanted was found together: {}. The design is the knee of error against "
+      "input, of {} that no other one beats in error by design, error of 95 % of boards and input.",
+      join(missed, "; "), plan.trade_off.size()));
 }
 
 }  // namespace

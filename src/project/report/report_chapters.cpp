@@ -127,7 +127,8 @@ void add_board_chapter(report::Page& page, const std::optional<fpaa::Plan>& plan
              "As entered in the designer; the full build sheet is in the folder of the plan.");
   for (const std::string& note : plan->notes) page.paragraph(note);
   if (!plan->trade_off.empty())
-    page.plots({trade_off_plot(*plan)}, "Designs that no other one found beats in both, error and input.");
+    page.plots({trade_off_plot(*plan)},
+               "Designs that no other one found beats in both, error and input, and is as near by design.");
   for (const std::string& assumption : plan->assumptions) page.warning("Assumed: " + assumption);
 }
 

@@ -98,7 +98,7 @@ TEST(Search, PapersConfigurationIsOneChipAtOneClock) {
   EXPECT_NE(refusal_of(make_plan(complex, options)), nullptr);
 }
 
-/// The curve is of plans' figures, and no design on it beats the others in both; none but the one taken may be beaten.
+/// The curve is of plans' figures, the one taken among them, and no design on it is beaten by another in all three.
 TEST(Search, RanksByWhatPlansState) {
   Sections resonance;
   const double w = 2.0 * M_PI * 1000.0;
@@ -110,9 +110,13 @@ TEST(Search, RanksByWhatPlansState) {
   ASSERT_NE(chosen, plan.trade_off.end());
   EXPECT_EQ(chosen->p95_percent, plan.total->p95_percent);
   EXPECT_EQ(chosen->at_input_v, plan.total->at_input_v);
-  for (std::size_t i = 1; i < plan.trade_off.size(); ++i) {
-    const TradeOff& one = plan.trade_off[i - 1];
-    EXPECT_TRUE(one.chosen || plan.trade_off[i].chosen || one.p95_percent <= plan.trade_off[i].p95_percent);
+  for (std::size_t i = 0; i < plan.trade_off.size(); ++i) {
+    const TradeOff& one = plan.trade_off[i];
+    EXPECT_TRUE(i == 0 || plan.trade_off[i - 1].at_input_v <= one.at_input_v);
+    for (const TradeOff& other : plan.trade_off)
+      EXPECT_FALSE(other.at_input_v >= one.at_input_v && other.designed_percent <= one.designed_percent &&
+                   other.p95_percent < one.p95_percent)
+          << "the design of " << other.at_input_v << " V beats the one of " << one.at_input_v << " V";
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/documents/json.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
 #include "gap/made_record.hpp"

@@ -318,13 +318,11 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
     return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};
   }
   auto& found = std::get<std::vector<FoundPlan>>(made);
-  for (FoundPlan& one : found) {
-    state_figures(one.plan, sections, band, options.assumptions);
-    // The first one where it has all that is wanted.
-    if (score_of(found.front().plan, board).missing(board.full_scale_v) > 0.0) continue;
-    found.resize(1);
-    break;
-  }
+  state_figures(found.front().plan, sections, band, options.assumptions);
+  // The others where the first one lacks something that is wanted.
+  if (!(score_of(found.front().plan, board).missing(board.full_scale_v) > 0.0)) found.resize(1);
+  for (std::size_t i = 1; i < found.size(); ++i)
+    state_figures(found[i].plan, sections, band, options.assumptions);
   Plan plan = best_of(std::move(found), board);
   const SwitchedBoard switched(plan);
   if (!given && is_hopeless(switched, sections, band)) {

@@ -105,7 +105,7 @@ fpaa::PlanOptions plan_options(const CommandLine& line) {
   out.topology = line.choice("topology", {Topology::automatic, Topology::chain, Topology::bilinear});
   if (const auto clock = line.maybe_positive("min-clock-hz")) out.lowest_clock = Hertz{*clock};
   out.band = line.maybe_band();
-  out.assumptions = {read_mismatch(line), read_noise_model(line)};
+  out.assumptions = {read_mismatch(line), read_noise_model(line), line.seed_value()};
   return out;
 }
 
@@ -188,13 +188,15 @@ Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& fr
   return out;
 }
 
-std::string total_text(const fpaa::Plan& plan) {
+std::string total_text(const fpaa::Plan& plan, const fpaa::MismatchModel& mismatch) {
   if (!plan.total) return "";
   const fpaa::PlanTotal& total = *plan.total;
-  return fmt::format("95 % of boards, of a sine of {}: {} % (designed {}, mismatch {}, noise {})\n",
-                     engineering_text(total.at_input_v, "V"), rounded_text(total.p95_percent, 3),
-                     rounded_text(total.designed_percent, 3), rounded_text(total.mismatch_p95_percent, 3),
-                     rounded_text(total.noise_percent, 3));
+  return fmt::format(
+      "95 % of boards, of a sine of {}, are off what was asked for by at most {} % ({} by design, {} noise)\n"
+      "mismatch of {} % a unit capacitor moves 95 % of boards off the design by at most {} %\n",
+      engineering_text(total.at_input_v, "V"), rounded_text(total.p95_percent, 3),
+      rounded_text(total.designed_percent, 3), rounded_text(total.noise_percent, 3),
+      rounded_text(mismatch.unit_percent), rounded_text(total.mismatch_p95_percent, 3));
 }
 
 /// Why nobody would build this board; nothing: somebody might. A tenth is nearly a decibel: beyond it neither curve
@@ -224,18 +226,15 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
       "{}: {} CAMs, {} op-amps on {} chip{} of {}, clocks {}\n"
       "as it runs, {} to {}: {} % ({} dB, {} deg) at {} worst; every switch of every clock in it\n"
       "{}"
-      "{} % mismatch of a unit capacitor adds (95 %): {} % ({} dB)\n"
       "kT/C noise in the band: {} uV with units of {} fF\n"
       "largest input: {} V\n",
       plan.topology, cams.size(), opamps_of(plan), plan.chips.size(), plan.chips.size() == 1 ? "" : "s",
       plan.board, clocks_text(plan), engineering_text(runs.band.from.value, "Hz", 4),
       engineering_text(runs.band.to.value, "Hz", 4), rounded_text(runs.max_complex_percent),
       rounded_text(runs.max_magnitude_db), rounded_text(runs.max_phase_deg),
-      engineering_text(runs.worst.value, "Hz", 4), total_text(plan),
-      rounded_text(budget.mismatch_model.unit_percent), rounded_text(budget.mismatch.p95_percent, 3),
-      rounded_text(budget.mismatch.p95_db, 3),
-      rounded_text(budget.noise_model.microvolts(budget.noise_in_band_kt_per_cu), 3),
-      rounded_text(1e15 * budget.noise_model.unit_capacitance_f), rounded_text(plan.max_input_v));
+      engineering_text(runs.worst.value, "Hz", 4), total_text(plan, budget.assumptions.mismatch),
+      rounded_text(budget.assumptions.noise.microvolts(budget.noise_in_band_kt_per_cu), 3),
+      rounded_text(1e15 * budget.assumptions.noise.unit_capacitance_f), rounded_text(plan.max_input_v));
   const auto add_image = [&](const char* what, const std::optional<fpaa::ImageLine>& image) {
     if (!image) return;
     out += fmt::format("{}: {} dB, at {} for a sine of {}\n", what, rounded_text(image->magnitude_db, 3),
@@ -287,9 +286,8 @@ int plan_board(const std::vector<std::string>& arguments) {
   const std::optional<StreamArtefacts> stream = make_streams(plan, line);
   const double seconds = watch.seconds();
 
-  const fpaa::ErrorBudget budget = fpaa::error_budget(
-      plan, sections,
-      {.assumptions = options.assumptions, .opamp = read_opamp_model(line), .seed = line.seed_value()});
+  const fpaa::ErrorBudget budget =
+      fpaa::error_budget(plan, sections, options.assumptions, read_opamp_model(line));
   Json json = json_header("fpaa_plan", from);
   json.update(plan.to_json());
   json["budget"] = budget.to_json();

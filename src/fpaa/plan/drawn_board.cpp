@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/units.hpp"
 #include "numeric/parallel_for.hpp"
 #include "numeric/random.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -66,18 +64,15 @@ std::vector<std::vector<Complex>> DrawnBoard::drawn_responses(const MismatchMode
   return out;
 }
 
-namespace {
-
-/// Where the first-order variance of the complex response is largest, each capacitor's share of it.
-std::vector<MismatchSpread::Share> variance_shares(const DrawnBoard& board, const MismatchModel& mismatch) {
-  const auto slopes = board.sensitivities(board.nominal_units());
-  const std::vector<double>& units = board.nominal_units();
+std::vector<DrawnBoard::Share> DrawnBoard::variance_shares(const MismatchModel& mismatch) const {
+  const auto slopes = sensitivities(nominal_units());
+  const std::vector<double>& units = nominal_units();
   const auto variance = [&](std::size_t c, std::size_t k) {
     return std::pow(mismatch.relative_sigma(units[c]), 2) * std::norm(slopes[c][k]);
   };
   std::size_t loudest = 0;
   double largest = 0.0;
-  for (std::size_t k = 0; k < board.grid().size(); ++k) {
+  for (std::size_t k = 0; k < grid_.size(); ++k) {
     double sum = 0.0;
     for (std::size_t c = 0; c < units.size(); ++c) sum += variance(c, k);
     if (sum > largest) {
@@ -85,41 +80,10 @@ std::vector<MismatchSpread::Share> variance_shares(const DrawnBoard& board, cons
       loudest = k;
     }
   }
-  std::vector<MismatchSpread::Share> out;
-  for (std::size_t c = 0; c < units.size() && largest > 0.0; ++c) {
-    out.push_back({board.names()[c], variance(c, loudest) / largest});
-  }
+  std::vector<Share> out;
+  for (std::size_t c = 0; c < units.size() && largest > 0.0; ++c)
+    out.push_back({names()[c], variance(c, loudest) / largest});
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.share > b.share; });
-  return out;
-}
-
-}  // namespace
-
-MismatchSpread mismatch_spread(const DrawnBoard& board, const MismatchModel& mismatch, int draws,
-                               std::uint64_t seed) {
-  MismatchSpread out;
-  out.draws = draws;
-  out.shares = variance_shares(board, mismatch);
-  if (draws <= 0) return out;
-  const std::vector<Complex> designed = board.response(board.nominal_units());
-  std::vector<double> percent;
-  std::vector<double> decibel;
-  for (const std::vector<Complex>& got : board.drawn_responses(mismatch, draws, seed)) {
-    double worst = 0.0;
-    double worst_db = 0.0;
-    for (std::size_t k = 0; k < got.size(); ++k) {
-      worst = std::max(worst, 100.0 * std::abs(got[k] / designed[k] - 1.0));
-      worst_db = std::max(worst_db, std::abs(to_decibel(std::abs(got[k] / designed[k]))));
-    }
-    percent.push_back(worst);
-    decibel.push_back(worst_db);
-  }
-  std::sort(percent.begin(), percent.end());
-  std::sort(decibel.begin(), decibel.end());
-  out.median_percent = quantile_of_sorted(percent, 0.5);
-  out.p95_percent = quantile_of_sorted(percent, 0.95);
-  out.max_percent = percent.back();
-  out.p95_db = quantile_of_sorted(decibel, 0.95);
   return out;
 }
 

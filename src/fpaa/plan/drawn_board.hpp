@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "base/documents/json_fwd.hpp"
 #include "fpaa/device/mismatch.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "lti/frequency_grid.hpp"
@@ -44,30 +43,16 @@ class DrawnBoard {
   /// Of so many boards, [board][frequency].
   std::vector<std::vector<std::complex<double>>> drawn_responses(const MismatchModel& mismatch, int draws,
                                                                  std::uint64_t seed) const;
+  /// Where the first-order variance of the response is largest over the grid, each capacitor's share of it, largest first.
+  struct Share {
+    std::string capacitor;
+    double share = 0.0;
+  };
+  std::vector<Share> variance_shares(const MismatchModel& mismatch) const;
 
  private:
   SwitchedBoard board_;  ///< copied where other capacitors are tried
   std::vector<Hertz> grid_;
 };
-
-/// What boards do with their capacitors drawn by the model, against the plan as it is designed.
-struct MismatchSpread {
-  int draws = 0;
-  double median_percent = 0.0;  ///< worst complex change over the grid: median, 95 %, largest
-  double p95_percent = 0.0;
-  double max_percent = 0.0;
-  double p95_db = 0.0;
-  /// The capacitors that matter most, where the spread is largest: share of the variance, largest first.
-  struct Share {
-    std::string capacitor;
-    double share = 0.0;
-  };
-  std::vector<Share> shares;
-
-  /// Without the model; the first few capacitors.
-  Json to_json() const;
-};
-MismatchSpread mismatch_spread(const DrawnBoard& board, const MismatchModel& mismatch, int draws,
-                               std::uint64_t seed);
 
 }  // namespace bodesmith::fpaa

@@ -19,7 +19,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr int kPoints = 200;         ///< of the band, for the response's errors
-constexpr int kMismatchPoints = 40;  ///< of the band, for each draw
+constexpr int kMismatchPoints = 40;  ///< of the band, for each drawn board
 constexpr int kNoisePoints = 300;    ///< of the band, and from 0 to half the fastest clock
 constexpr int kNoiseCost = 10;       ///< of a noise density, in gains
 constexpr std::size_t kNamedCapacitors = 8;
@@ -94,13 +94,12 @@ void add_nodes_and_noise(const Plan& plan, const SwitchedBoard& board, Band band
   }
 }
 
-void add_settling(const Plan& plan, const OpAmpModel& opamp, ErrorBudget& out) {
+void add_settling(const Plan& plan, ErrorBudget& out) {
   const auto cams = plan.cams();
-  out.opamp = opamp;
   for (std::size_t n = 0; n < cams.size(); ++n) {
     const auto stage = cams[n]->cam->switches(*cams[n]);
     if (!stage) continue;
-    out.cams[n].settling_percent = 100.0 * unsettled_share(*stage, opamp, cams[n]->clock_a);
+    out.cams[n].settling_percent = 100.0 * unsettled_share(*stage, out.opamp, cams[n]->clock_a);
     out.settling_percent += out.cams[n].settling_percent;
   }
 }
@@ -117,26 +116,30 @@ void add_holds(const Plan& plan, const SwitchedBoard& board, const Sections& sec
   }
 }
 
+/// The plan for `kDrawnBoards` boards with other capacitors: over the band and beside sharp roots, where an error is relative to |H|.
+DrawnBoard drawn_board(const SwitchedBoard& switched, const Sections& sections, Band band) {
+  std::vector<Hertz> grid = log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDrawnBoards));
+  const std::vector<Hertz> sharp = about_sharp_roots(sections, band);
+  grid.insert(grid.end(), sharp.begin(), sharp.end());
+  std::erase_if(grid, [&](Hertz f) { return beside_a_zero(sections, f.rad_s()); });
+  return {switched, std::move(grid)};
+}
+
 }  // namespace
 
 PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,
                      const BoardAssumptions& assumptions) {
-  constexpr int kDraws = 300;
-  constexpr std::uint64_t kSeed = 1;
   constexpr int kTotalNoisePoints = 60;
   PlanTotal out;
   out.at_input_v = plan.max_input_v;
   out.designed_percent = plan.error_with_delays.max_complex_percent;
   const Band band = plan.error_with_delays.band;
-  std::vector<Hertz> grid = log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDraws));
-  const std::vector<Hertz> sharp = about_sharp_roots(sections, band);
-  grid.insert(grid.end(), sharp.begin(), sharp.end());
-  std::erase_if(grid, [&](Hertz f) { return beside_a_zero(sections, f.rad_s()); });
-  const DrawnBoard board(switched, grid);
+  const DrawnBoard board = drawn_board(switched, sections, band);
+  const std::vector<Hertz>& grid = board.grid();
   const std::vector<Complex> designed = board.response(board.nominal_units());
   std::vector<double> worst;
   std::vector<double> moved;
-  for (const std::vector<Complex>& got : board.drawn_responses(assumptions.mismatch, kDraws, kSeed)) {
+  for (const auto& got : board.drawn_responses(assumptions.mismatch, kDrawnBoards, assumptions.seed)) {
     double error = 0.0;
     double change = 0.0;
     for (std::size_t k = 0; k < grid.size(); ++k) {
@@ -168,42 +171,22 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
   return out;
 }
 
-ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BudgetOptions& options) {
+ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions,
+                         const OpAmpModel& opamp) {
   ErrorBudget out;
   const auto cams = plan.cams();
   const SwitchedBoard board(plan);
   add_holds(plan, board, sections, out);
-  out.mismatch_model = options.assumptions.mismatch;
-  out.noise_model = options.assumptions.noise;
-  out.seed = options.seed;
-  std::vector<Hertz> drawn_at;
-  for (const Hertz f :
-       log_grid(plan.error.band, affordable(kMismatchPoints, board.pieces(), options.draws))) {
-    if (!beside_a_zero(sections, f.rad_s())) drawn_at.push_back(f);
-  }
-  out.mismatch =
-      mismatch_spread(DrawnBoard(board, drawn_at), out.mismatch_model, options.draws, options.seed);
+  out.assumptions = assumptions;
+  out.opamp = opamp;
+  out.capacitors = drawn_board(board, sections, plan.error.band).variance_shares(assumptions.mismatch);
   out.settling_limit_hz = board_by_name(plan.board).settling_product.value;
   out.cams = cam_shares(cams);
   add_nodes_and_noise(plan, board, plan.error.band, out.cams);
-  add_settling(plan, options.opamp, out);
+  add_settling(plan, out);
   for (const ErrorBudget::CamShare& share : out.cams) {
     out.noise_kt_per_cu += share.noise_kt_per_cu;
     out.noise_in_band_kt_per_cu += share.noise_in_band_kt_per_cu;
-  }
-  return out;
-}
-
-Json MismatchSpread::to_json() const {
-  Json out{{"draws", draws},
-           {"median_percent", median_percent},
-           {"p95_percent", p95_percent},
-           {"max_percent", max_percent},
-           {"p95_db", p95_db},
-           {"capacitors", Json::array()}};
-  for (const Share& share : shares) {
-    if (out["capacitors"].size() == kNamedCapacitors) break;
-    out["capacitors"].push_back({{"capacitor", share.capacitor}, {"share", share.share}});
   }
   return out;
 }
@@ -212,18 +195,21 @@ Json ErrorBudget::to_json() const {
   Json out;
   out["hold_percent"] = hold_percent;
   out["hold_phase_deg"] = hold_phase_deg;
-  out["mismatch"] = mismatch_model.to_json();
-  out["mismatch"]["seed"] = seed;
-  out["mismatch"].update(mismatch.to_json());
+  Json& mismatch = out["mismatch"] = assumptions.mismatch.to_json();
+  mismatch["seed"] = assumptions.seed;
+  mismatch["draws"] = kDrawnBoards;
+  for (std::size_t i = 0; i < std::min(kNamedCapacitors, capacitors.size()); ++i)
+    mismatch["capacitors"].push_back(
+        {{"capacitor", capacitors[i].capacitor}, {"share", capacitors[i].share}});
   out["settling_limit_hz"] = settling_limit_hz;
   out["settling"] = {{"opamp_gain_bandwidth_hz", opamp.gain_bandwidth.value},
                      {"opamp_gain", opamp.gain},
                      {"error_percent", settling_percent}};
   out["noise_kt_per_cu"] = noise_kt_per_cu;
   out["noise_in_band_kt_per_cu"] = noise_in_band_kt_per_cu;
-  out["noise_in_band_uv"] = noise_model.microvolts(noise_in_band_kt_per_cu);
-  out["noise_uv"] = noise_model.microvolts(noise_kt_per_cu);
-  out["noise"] = noise_model.to_json();
+  out["noise_in_band_uv"] = assumptions.noise.microvolts(noise_in_band_kt_per_cu);
+  out["noise_uv"] = assumptions.noise.microvolts(noise_kt_per_cu);
+  out["noise"] = assumptions.noise.to_json();
   out["cams"] = Json::array();
   for (const CamShare& cam : cams) {
     out["cams"].push_back({{"name", cam.name},

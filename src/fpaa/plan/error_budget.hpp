@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,10 +18,9 @@ struct ErrorBudget {
   double hold_percent = 0.0;
   double hold_phase_deg = 0.0;
 
-  /// Capacitors drawn by the mismatch model: worst complex difference to the plan as it is, as it runs.
-  MismatchModel mismatch_model;
-  std::uint64_t seed = 1;
-  MismatchSpread mismatch;
+  /// Capacitors that matter most to what drawn boards do (plan_total), and the models that were assumed.
+  std::vector<DrawnBoard::Share> capacitors;
+  BoardAssumptions assumptions;
 
   struct CamShare {
     std::string name;
@@ -38,7 +36,6 @@ struct ErrorBudget {
   double settling_limit_hz = 0.0;
   double noise_kt_per_cu = 0.0;
   double noise_in_band_kt_per_cu = 0.0;
-  NoiseModel noise_model;
 
   /// Op-amps with this bandwidth and gain do not settle whole in half a period: at most the sum of what each CAM
   /// leaves of its step.
@@ -48,18 +45,12 @@ struct ErrorBudget {
   Json to_json() const;
 };
 
-struct BudgetOptions {
-  BoardAssumptions assumptions = {};
-  OpAmpModel opamp = {};
-  int draws = 400;
-  std::uint64_t seed = 1;
-};
-
 /// Noise: what every switch leaves on its capacitor when it opens (kT C of mean-square charge), in every phase, as the
 /// network makes it at the pin, every folding in it (network/periodic_network.hpp). C_u, the unit capacitance, is not
 /// publicly known, so the result is in kT/C_u, and in uV for the assumed one. Op-amp noise is not in it (not publicly
 /// known).
-ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BudgetOptions& options);
+ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions,
+                         const OpAmpModel& opamp);
 
 /// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and 300 drawn boards.
 PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,

@@ -186,7 +186,6 @@ namespace {
 double drawn_p95(const std::vector<Complex>& errors, const CapacitorEffects& effects, const Design& design,
                  const DesignTarget& target, const MismatchModel& mismatch) {
   constexpr std::size_t kDrawnAt = 50;  // of the grid, evenly
-  constexpr int kDraws = 300;
   std::vector<std::size_t> at;
   for (std::size_t k = 0; k < errors.size(); ++k) {
     if (target.weight[k] >= 1.0 && target.beside_zero[k] == 0) at.push_back(k);
@@ -195,7 +194,7 @@ double drawn_p95(const std::vector<Complex>& errors, const CapacitorEffects& eff
   std::vector<double> worst;
   std::vector<Complex> error;
   Random random(1);
-  for (int draw = 0; draw < kDraws; ++draw) {
+  for (int draw = 0; draw < kDrawnBoards; ++draw) {
     error.clear();
     for (std::size_t i = 0; i < at.size(); i += every) error.push_back(errors[at[i]]);
     for (const CapacitorEffect& effect : effects.list) {

@@ -48,7 +48,7 @@ TEST(FpaaCommand, PlanStreamsVerifySend) {
   const Node json = read_document(folder / "plan/plan.json", from);
   EXPECT_GT(json.at("timing_s").at("compute").number(), 0.0);
   EXPECT_EQ(json.at("inputs")[0].at("path").string(), dir + "/s.json");
-  EXPECT_GT(json.at("budget").at("mismatch").at("p95_percent").number(), 0.0);
+  EXPECT_GT(json.at("total").at("mismatch_p95_percent").number(), 0.0);
 
   write_file(folder / "ApiCode.c", project_for(plan));
   const std::string api = " --api " + dir + "/ApiCode.c";

@@ -12,7 +12,7 @@ namespace {
 
 TEST(ErrorBudget, PartsOfTheSeedsPlan) {
   const Plan& plan = seed_plan();
-  const ErrorBudget budget = error_budget(plan, seed_sections(), {});
+  const ErrorBudget budget = error_budget(plan, seed_sections(), {}, {});
   // No hold of half a period (9 deg): what moves within a phase is some tenths of a degree.
   EXPECT_LT(budget.hold_phase_deg, 1.0);
   ASSERT_EQ(budget.cams.size(), 8u);
@@ -37,15 +37,19 @@ TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
   plan.error.band = {{1.0}, {100.0}};
   Sections unity;
   unity.gain = -1.0;
-  BudgetOptions options;
-  options.draws = 20000;
-  const ErrorBudget budget = error_budget(plan, unity, options);
-  // 100 units: 0.05 % each, the ratio sqrt(2) of it. |N(0, sigma)|: median 0.6745 sigma, 95 % 1.960 sigma.
-  const double sigma = 0.05 * std::sqrt(2.0);
-  EXPECT_NEAR(budget.mismatch.median_percent, 0.6745 * sigma, 0.002);
-  EXPECT_NEAR(budget.mismatch.p95_percent, 1.960 * sigma, 0.004);
-  EXPECT_NEAR(budget.mismatch.shares[0].share, 0.5, 1e-3);
-  EXPECT_EQ(error_budget(plan, unity, options).mismatch.max_percent, budget.mismatch.max_percent);
+  plan.error_with_delays.band = plan.error.band;
+  BoardAssumptions assumptions;
+  const auto moved = [&] {
+    return plan_total(plan, SwitchedBoard(plan), unity, assumptions).mismatch_p95_percent;
+  };
+  const double p95 = moved();
+  // 100 units: 0.05 % each, the ratio sqrt(2) of it. |N(0, sigma)|: 95 % below 1.960 sigma; of 300 boards known to 5 %.
+  EXPECT_NEAR(p95 / (1.960 * 0.05 * std::sqrt(2.0)), 1.0, 0.15);
+  EXPECT_EQ(moved(), p95);
+  assumptions.seed = 2;
+  EXPECT_NE(moved(), p95);
+  const ErrorBudget budget = error_budget(plan, unity, assumptions, {});
+  EXPECT_NEAR(budget.capacitors[0].share, 0.5, 1e-3);
 }
 
 /// 2 kT C a sample through 1/(A - B/z), sum h^2 = 1/(A^2 - B^2), less what the op-amp gives back to Cout and what lies
@@ -66,12 +70,12 @@ TEST(ErrorBudget, NoiseOfALowPassIsSomewhatBelowTwoChargesASample) {
   plan.error.band = {{1.0}, {100.0}};
   Sections sections;
   sections.gain = -1.0;
-  const ErrorBudget budget = error_budget(plan, sections, {});
+  const ErrorBudget budget = error_budget(plan, sections, {}, {});
   const double two_charges = 2.0 * 10.0 / (54.0 * 54.0 - 50.0 * 50.0);
   EXPECT_LT(budget.noise_kt_per_cu, two_charges);
   EXPECT_GT(budget.noise_kt_per_cu, 0.8 * two_charges);
   // sqrt(kT/C) of 50 fF at 300 K is 287.8 uV.
-  EXPECT_NEAR(budget.noise_model.microvolts(1.0), 287.8, 0.1);
+  EXPECT_NEAR(budget.assumptions.noise.microvolts(1.0), 287.8, 0.1);
 }
 
 }  // namespace

@@ -154,17 +154,18 @@ std::string stem_of(const std::filesystem::path& path) {
   return stem;
 }
 
-/// A netlist from node in to node out that this program has printed: it can solve that itself where there is no ngspice.
-std::optional<schematic::Netlist> printed_netlist(const std::string& text, const std::string& file,
-                                                  const std::string& subcircuit) {
+/// What this program can solve itself.
+std::optional<schematic::Netlist> own_netlist(const std::string& text, const std::string& file,
+                                              const std::string& subcircuit) {
   try {
     const schematic::SpiceLibrary library = schematic::read_spice(text, file);
-    const std::string& name = subcircuit.empty() ? library.top : subcircuit;
-    if (library.subcircuit(name).pins == std::vector<std::string>{"in", "out"}) return library.flat(name);
+    return library.two_port(subcircuit.empty() ? library.top : subcircuit);
   } catch (const InputError&) {
   }
   return std::nullopt;
 }
+
+}  // namespace
 
 bool is_netlist(const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
@@ -174,7 +175,10 @@ bool is_netlist(const std::filesystem::path& path) {
   return false;
 }
 
-}  // namespace
+schematic::Netlist read_netlist(const std::filesystem::path& path, Provenance& from) {
+  const schematic::SpiceLibrary library = schematic::read_spice(from.read(path), path.string());
+  return library.two_port(library.top);
+}
 
 bool is_own_document(const std::filesystem::path& path) {
   return !is_netlist(path) && is_document(path);
@@ -189,25 +193,19 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   ResponseSource source;
   source.stem = stem_of(path);
   const std::string ending = path.extension().string();
-  if (ending == ".sub" || ending == ".lib") {
+  if (is_netlist(path)) {
     const std::string text = from.read(path);
-    const auto printed =
-        ngspice::is_available() ? std::nullopt : printed_netlist(text, path.string(), options.subcircuit);
-    if (printed) {
-      set_evaluation(source, [netlist = *printed](const std::vector<Hertz>& grid) {
-        return schematic::network_response(netlist, grid);
-      });
-    } else {
-      set_evaluation(source, [path, name = options.subcircuit](const std::vector<Hertz>& grid) {
-        return ngspice::run_ac_of_sub(path, grid, name);
-      });
-    }
-    return source;
-  }
-  if (ending == ".cir" || ending == ".net" || ending == ".sp") {
-    from.read(path);
-    set_evaluation(source,
-                   [path](const std::vector<Hertz>& grid) { return ngspice::run_ac_of_deck(path, grid); });
+    const bool is_library = ending == ".sub" || ending == ".lib";
+    set_evaluation(source, [=, name = options.subcircuit](const std::vector<Hertz>& grid) {
+      try {
+        return is_library ? ngspice::run_ac_of_sub(path, grid, name) : ngspice::run_ac_of_deck(path, grid);
+      } catch (const InputError&) {
+        // There is no ngspice, or an op-amp is known here by its type alone.
+        const auto own = own_netlist(text, path.string(), name);
+        if (!own) throw;
+        return schematic::network_response(*own, grid);
+      }
+    });
     return source;
   }
   if (!is_document(path)) {

@@ -11,6 +11,7 @@
 #include "lti/bulk_response.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::cli {
 
@@ -34,10 +35,13 @@ struct ResponseOptions {
   std::string subcircuit;  ///< .sub files: which one; empty: the obvious one
 };
 
-/// cascade.json, sections.json, circuit.json, controller.toml, plan.json, model.toml by their schema, .sub/.cir/.lib (through ngspice) by their ending;
+/// cascade.json, sections.json, circuit.json, controller.toml, plan.json, model.toml by their schema, .sub/.cir/.lib by their ending (through ngspice, else solved here);
 /// everything else is measured or simulated (docs/formats.md), by its content. InputError for anything else.
 /// This program's own documents and netlists; everything else is measured or simulated data.
 bool is_design(const std::filesystem::path& path);
+bool is_netlist(const std::filesystem::path& path);
+/// One of the elements that schematic::read_spice() knows, its top from its first pin to its second.
+schematic::Netlist read_netlist(const std::filesystem::path& path, Provenance& from);
 /// This program's own documents alone.
 bool is_own_document(const std::filesystem::path& path);
 ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options,

@@ -11,4 +11,7 @@ inline std::string plain_number(double value) {
   return fmt::format("{:.12g}", value);
 }
 
+/// SPICE's own number: 4.7k, 1meg, 10uF. False where there is none.
+bool spice_value(const std::string& text, double& value);
+
 }  // namespace bodesmith::schematic

@@ -128,13 +128,20 @@ class StageReader {
 
   void check(const Node& node, const Stage& stage) const {
     const std::vector<double> values = circuit_.realised_values(stage);
-    const PartsResponse ladder = ladder_response(stage);
     for (const double hz : {1.0, 100.0, 1e4}) {
       const RadPerSecond w = Hertz{hz}.rad_s();
-      const Complex got = ladder ? ladder(values, w) : stage.form->transfer(values).response(w);
+      const Complex got = stage.form ? stage.form->transfer(values).response(w)
+                                     : ladder_response(stage.realisation, values, w);
       if (!about_equal(got, stage.response(w)))
         node.at("parts").fail("do not make what 'realised' says of the stage");
     }
+  }
+
+  /// -Z/R with the ladder in the feedback ("foster1 in the feedback"), -R/Z with it at the input, R the first of the values.
+  static Complex ladder_response(const std::string& how, std::span<const double> values, RadPerSecond w) {
+    const RcLadder* ladder = realisation_registry().find(how.substr(0, how.find(' ')))->ladder();
+    const Complex z = ladder->impedance(values.subspan(1), {0.0, w.value});
+    return -(how.ends_with("input") ? values[0] / z : z / values[0]);
   }
 
   Circuit& circuit_;
@@ -147,18 +154,6 @@ Section section_from_node(const Node& node) {
   return {.gain = node.at("gain").number(),
           .zeros = roots_from(node.at("zeros_rad_s")),
           .poles = roots_from(node.at("poles_rad_s"))};
-}
-
-PartsResponse ladder_response(const Stage& stage) {
-  // "foster1 in the feedback", "cauer2 at the input".
-  const Realisation* realisation =
-      realisation_registry().find(stage.realisation.substr(0, stage.realisation.find(' ')));
-  if (realisation == nullptr || realisation->ladder() == nullptr) return nullptr;
-  const bool in_feedback = !stage.realisation.ends_with("input");
-  return [ladder = realisation->ladder(), in_feedback](std::span<const double> values, RadPerSecond w) {
-    const std::complex<double> z = ladder->impedance(values.subspan(1), {0.0, w.value});
-    return -(in_feedback ? z / values[0] : values[0] / z);
-  };
 }
 
 std::complex<double> CircuitFile::wanted(RadPerSecond w) const {

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <complex>
-#include <functional>
-#include <span>
 
 #include "base/documents/document.hpp"
 #include "base/documents/json_fwd.hpp"
@@ -28,13 +26,6 @@ struct CircuitFile {
 
 /// A transfer as circuit.json has it: `gain`, `zeros_rad_s`, `poles_rad_s`.
 Section section_from_node(const Node& node);
-
-/// H(jw) of a stage with ideal op-amps for any values of its parts.
-using PartsResponse = std::function<std::complex<double>(std::span<const double>, RadPerSecond)>;
-
-/// Of a ladder's stage, -Z/R with the ladder in the feedback, -R/Z with it at the input, R the first of the values; null
-/// for a stage that has a form.
-PartsResponse ladder_response(const Stage& stage);
 
 /// stages, parts, op-amp and the error of each step; without the header.
 Json to_json(const Realised& realised);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/drawn_board.hpp"
 #include "lti/frequency_grid.hpp"
@@ -40,27 +41,32 @@ void check_cams(const fpaa::Plan& board, const Node& plan) {
   }
 }
 
-/// Parts and stages of a circuit.
-Design design_from_parts(const synthesis::Circuit& circuit, std::function<Complex(Hertz)> wanted,
-                         OpAmps opamps) {
+Design design_from_parts(const schematic::Netlist& netlist) {
   Design out;
-  out.netlist = std::make_shared<const schematic::Netlist>(circuit);
-  for (const schematic::Part& part : circuit.parts) {
+  out.netlist = std::make_shared<const schematic::Netlist>(netlist);
+  for (const schematic::Part& part : netlist.parts) {
     out.parts.push_back(
         {part.name,
          part.kind == schematic::Part::Kind::resistor ? Part::Kind::resistor : Part::Kind::capacitor,
          part.realised});
   }
+  return out;
+}
+
+/// Parts and stages of a circuit.
+Design design_from_stages(const synthesis::Circuit& circuit, std::function<Complex(Hertz)> wanted,
+                          OpAmps opamps) {
+  Design out = design_from_parts(circuit);
   for (const synthesis::Stage& stage : circuit.stages) {
     Stage one;
     one.name = fmt::format("stage{}", out.stages.size() + 1);
     one.first_part = stage.first_part;
     one.part_count = stage.part_count;
-    one.by_parts = synthesis::ladder_response(stage);
-    if (stage.form)
-      one.transfer = [form = stage.form](std::span<const double> v) { return form->transfer(v); };
-    if (!one.by_parts && !one.transfer)
-      throw DesignError(fmt::format("{} has no equations for other values of its parts", stage.realisation));
+    if (!stage.form) {
+      out.stages.clear();
+      break;
+    }
+    one.transfer = [form = stage.form](std::span<const double> v) { return form->transfer(v); };
     out.stages.push_back(std::move(one));
   }
   out.wanted = std::move(wanted);
@@ -96,11 +102,11 @@ std::vector<Hertz> leave_out_nulls(const std::vector<Design>& designs, std::vect
 
 Complex Design::response(Hertz f, std::span<const double> values) const {
   if (board) return fpaa::DrawnBoard(*board, {f}).response(values)[0];
+  if (stages.empty())
+    return schematic::ResponseOfParts(*netlist, {f}, {.ideal_opamps = ideal_opamps}).at(values)[0];
   Complex h = 1.0;
-  for (const Stage& stage : stages) {
-    const auto own = values.subspan(stage.first_part, stage.part_count);
-    h *= stage.by_parts ? stage.by_parts(own, f.rad_s()) : stage.transfer(own).response(f.rad_s());
-  }
+  for (const Stage& stage : stages)
+    h *= stage.transfer(values.subspan(stage.first_part, stage.part_count)).response(f.rad_s());
   return h;
 }
 
@@ -116,15 +122,14 @@ Complex Design::nominal(Hertz f) const {
 
 bool Design::is_quick() const {
   const std::vector<double> values = nominal_values();
-  return !board && std::none_of(stages.begin(), stages.end(), [&](const Stage& stage) {
-    return stage.by_parts ||
-           stage.transfer(std::span(values).subspan(stage.first_part, stage.part_count)).a0 == 0.0;
+  return !stages.empty() && std::none_of(stages.begin(), stages.end(), [&](const Stage& stage) {
+    return stage.transfer(std::span(values).subspan(stage.first_part, stage.part_count)).a0 == 0.0;
   });
 }
 
 Design design_of_circuit(const synthesis::Circuit& circuit, const Sections& wanted, std::string name,
                          OpAmps opamps) {
-  Design out = design_from_parts(
+  Design out = design_from_stages(
       circuit, [wanted](Hertz f) { return wanted.response(f.rad_s()); }, opamps);
   out.name = std::move(name);
   out.band = synthesis::judged_band(wanted);
@@ -135,7 +140,7 @@ Design design_of_circuit(const synthesis::Circuit& circuit, const Sections& want
 
 Design design_of_file(const Node& node, std::string name, OpAmps opamps) {
   const synthesis::CircuitFile file = synthesis::CircuitFile::from_node(node);
-  Design out = design_from_parts(
+  Design out = design_from_stages(
       file.circuit, [file](Hertz f) { return file.wanted(f.rad_s()); }, opamps);
   out.name = std::move(name);
   out.band = file.band;
@@ -144,6 +149,33 @@ Design design_of_file(const Node& node, std::string name, OpAmps opamps) {
     for (const synthesis::Biquad& factor : stage.wanted)
       out.poles += factor.a2 != 0.0 ? 2 : factor.a1 != 0.0 ? 1 : 0;
   }
+  return out;
+}
+
+Design design_of_netlist(const schematic::Netlist& netlist, std::string name) {
+  Design out = design_from_parts(netlist);
+  out.name = std::move(name);
+  out.ideal_opamps = false;
+  if (!netlist.opamps.empty())
+    out.notes.push_back(fmt::format("with its op-amps ({}), which are not drawn", netlist.opamp.name));
+  Part least[2], most[2];  // of resistors and of capacitors
+  for (const Part& part : out.parts) {
+    const std::size_t kind = part.kind == Part::Kind::resistor ? 0 : 1;
+    if (least[kind].name.empty() || part.nominal < least[kind].nominal) least[kind] = part;
+    if (part.nominal > most[kind].nominal) most[kind] = part;
+  }
+  if (least[0].name.empty() || least[1].name.empty())
+    throw InputError(fmt::format("{}: has no resistors or no capacitors, expected both", out.name));
+  out.band = {RadPerSecond{0.1 / (most[0].nominal * most[1].nominal)}.hz(),
+              RadPerSecond{10.0 / (least[0].nominal * least[1].nominal)}.hz()};
+  out.band_name = "its resistors times its capacitors";
+  out.reference_name = "nominal";
+  out.wanted = [netlist = out.netlist](Hertz f) { return schematic::network_response(*netlist, {f})[0]; };
+  const Hertz middle{std::sqrt(out.band.from.value * out.band.to.value)};
+  const double gain = std::abs(out.wanted(middle));
+  if (!std::isfinite(gain) || gain == 0.0)
+    throw InputError(fmt::format("{}: has no response at {}, expected one from in to out", out.name,
+                                 engineering_text(middle.value, "Hz", 4)));
   return out;
 }
 

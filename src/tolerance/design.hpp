@@ -31,16 +31,18 @@ struct Stage {
   std::size_t first_part = 0;
   std::size_t part_count = 0;
   std::function<synthesis::Biquad(std::span<const double>)> transfer;
-  synthesis::PartsResponse by_parts = nullptr;  ///< instead of transfer: a ladder
 };
 
 /// What a yield run needs to know of a design: op-amp RC or FPAA.
 struct Design {
   std::string name;
   std::vector<Part> parts;
-  std::vector<Stage> stages;  ///< their product; none for a board
+  /// Their product, with ideal op-amps; none for a board, and where one has no such transfer (ladders, a user's netlist):
+  /// then the netlist is solved.
+  std::vector<Stage> stages;
   /// The circuit whose first parts they are, in the same order; none for a plan.
   std::shared_ptr<const schematic::Netlist> netlist;
+  bool ideal_opamps = true;  ///< in it
   /// A board as it runs, wires, clocks and holds in it; its capacitors are the parts, in the same order.
   std::shared_ptr<const fpaa::Plan> board;
   std::function<std::complex<double>(Hertz)>
@@ -70,6 +72,9 @@ Design design_of_circuit(const synthesis::Circuit& circuit, const Sections& want
                          OpAmps opamps);
 /// A circuit.json as it was built, in the band in which it was judged.
 Design design_of_file(const Node& circuit, std::string name, OpAmps opamps);
+/// A user's netlist from its input to its output, with its op-amps: deviations from its own nominal response. Band: a decade
+/// beyond the products of its resistors and capacitors. InputError where it has no response at the band's middle.
+Design design_of_netlist(const schematic::Netlist& netlist, std::string name);
 /// A plan.json (`bodesmith.fpaa_plan/1`) as it runs, every CAM by its capacitors. Deviations from the plan's
 /// own nominal response, or from `wanted` (the plan's designed error is then in them). A plan whose capacitors
 /// do not make its z-domain coefficients is an error (file and line).

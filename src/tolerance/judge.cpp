@@ -88,8 +88,8 @@ double limit_percent_of(const Part& part, const Spread& spread) {
 
 using Slopes = std::vector<std::vector<std::complex<double>>>;  // d ln H/d ln part, [part][frequency]
 
-Slopes circuit_slopes(const schematic::Netlist& netlist, const std::vector<Hertz>& grid) {
-  const schematic::Equations equations(netlist, {.ideal_opamps = true});
+Slopes circuit_slopes(const schematic::Netlist& netlist, bool ideal_opamps, const std::vector<Hertz>& grid) {
+  const schematic::Equations equations(netlist, {.ideal_opamps = ideal_opamps});
   Slopes out(netlist.parts.size());
   for (const Hertz f : grid) {
     const auto here = schematic::log_sensitivities(equations, out.size(), f.rad_s());
@@ -103,7 +103,7 @@ Slopes log_slopes(const Design& design, const std::vector<Hertz>& grid) {
     const fpaa::DrawnBoard board(*design.board, grid);
     return board.sensitivities(board.nominal_units());
   }
-  return circuit_slopes(*design.netlist, grid);
+  return circuit_slopes(*design.netlist, design.ideal_opamps, grid);
 }
 
 Sensitivity sensitivity_of(const Design& design, const Options& options) {

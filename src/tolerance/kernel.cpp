@@ -57,7 +57,12 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
       pairs_.push_back({i, first_order(h) ? -1 : -2});
     }
   }
-  if (design.board) board_.emplace(*design.board, options.grid);
+  if (design.board) {
+    board_.emplace(*design.board, options.grid);
+  } else if (design.stages.empty()) {
+    network_.emplace(*design.netlist, options.grid,
+                     schematic::Assumptions{.ideal_opamps = design.ideal_opamps});
+  }
   const size_t lanes = pairs_.size() * kBlock, points = options.grid.size();
   for (auto* list : {&b0_, &b1_, &b2_, &a0_, &a1_, &a2_}) list->assign(lanes, 0.0);
   for (auto* list : {&nr_, &ni_, &dr_, &di_}) list->assign(kBlock, 0.0);
@@ -115,6 +120,8 @@ void Kernel::evaluate_one_by_one(std::uint64_t first, int count) {
     draw(first + static_cast<std::uint64_t>(lane));
     if (board_) {
       drawn_ = board_->response(values_);
+    } else if (network_) {
+      drawn_ = network_->at(values_);
     } else {
       for (size_t i = 0; i < drawn_.size(); ++i) drawn_[i] = design_.response(options_.grid[i], values_);
     }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fpaa/plan/drawn_board.hpp"
+#include "schematic/analysis/response.hpp"
 #include "tolerance/departure.hpp"
 #include "tolerance/yield.hpp"
 
@@ -30,13 +31,14 @@ class Kernel {
 
   void draw(std::uint64_t sample);
   void coefficients(int lane);
-  /// Every response by itself: a board, ladders, integrators.
+  /// Every response by itself: a board, a netlist, integrators.
   void evaluate_one_by_one(std::uint64_t first, int count);
 
   const Design& design_;
   const Options& options_;
   bool quick_ = true;  ///< by pairs
   std::optional<fpaa::DrawnBoard> board_;
+  std::optional<schematic::ResponseOfParts> network_;
   std::vector<std::complex<double>> drawn_;  ///< one of its responses
   std::vector<Pair> pairs_;
   std::vector<double> values_;

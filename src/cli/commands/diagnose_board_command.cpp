@@ -13,7 +13,6 @@
 #include "faults/plan_board.hpp"
 #include "faults/report.hpp"
 #include "fpaa/plan/plan.hpp"
-#include "schematic/writers/spice_library.hpp"
 #include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::cli {
@@ -69,11 +68,10 @@ faults::Measurement read_channels(const CommandLine& line, Provenance& from) {
   return out;
 }
 
-/// A circuit.json, or a netlist of such elements as this program writes them.
+/// A circuit.json, or a netlist of such elements.
 schematic::Netlist read_circuit(const std::string& file, Provenance& from) {
   if (is_own_document(file)) return synthesis::CircuitFile::from_node(read_document(file, from)).circuit;
-  const schematic::SpiceLibrary library = schematic::read_spice(from.read(file), file);
-  return library.flat(library.top);
+  return read_netlist(file, from);
 }
 
 std::unique_ptr<faults::Board> read_board(const CommandLine& line, const faults::Spread& spread,

@@ -15,6 +15,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/modes/bode_loop.hpp"
+#include "cli/response_source.hpp"
 #include "cli/shared_options.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/judge_responses.hpp"
@@ -99,7 +100,7 @@ std::string study_margins(const CommandLine& line, const tolerance::Design& desi
 }
 
 void declare_yield(CommandLine& line) {
-  line.positional("SECTIONS.json|circuit.json|PLAN.json…", 1, -1);
+  line.positional("SECTIONS.json|circuit.json|NETLIST.sub|PLAN.json…", 1, -1);
   line.flag("in-series", "the SECTIONS.json one after the other as one design (default: designs to compare)");
   line.output("yield.json (percentiles a frequency, ranking of the parts, what to buy)", true);
   line.seed();
@@ -198,6 +199,7 @@ tolerance::Design design_of_sections(const CommandLine& line, const Sections& se
 }
 
 tolerance::Design read_design(const CommandLine& line, const std::string& file, Provenance& from) {
+  if (is_netlist(file)) return tolerance::design_of_netlist(read_netlist(file, from), file);
   const Node node = read_document(file, from);
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.fpaa_plan/1") {
     std::optional<Sections> wanted;
@@ -236,12 +238,12 @@ double yield_percent(const tolerance::Result& result) {
 std::string describe(const tolerance::Design& design, const tolerance::Result& result,
                      const tolerance::Options& options, bool asked_band) {
   std::string text = fmt::format(
-      "{}: {} poles, {} parts, {} circuits, deviations from {}\n"
+      "{}: {}{} parts, {} circuits, deviations from {}\n"
       "  95 of 100 circuits within {} dB, {} deg, {} % complex\n"
       "  (median {} dB, largest {} dB; all parts at their limits {} dB)\n"
       "  at worst over {} frequencies from {} to {} ({})\n",
-      result.name, design.poles, design.parts.size(), result.samples,
-      design.reference_name == "sections" ? "the sections" : "its own nominal response",
+      result.name, design.poles > 0 ? fmt::format("{} poles, ", design.poles) : "", design.parts.size(),
+      result.samples, design.reference_name == "sections" ? "the sections" : "its own nominal response",
       rounded_text(result.worst_db.quantile(0.95), 3), rounded_text(result.worst_deg.quantile(0.95), 3),
       rounded_text(result.worst_percent.quantile(0.95), 3), rounded_text(result.worst_db.quantile(0.5), 3),
       rounded_text(result.worst_db.max, 3), rounded_text(result.worst_case_db, 3), result.grid.size(),

@@ -1,8 +1,10 @@
 #include "schematic/analysis/response.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 #include "base/progress.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "schematic/analysis/equations.hpp"
 
 namespace bodesmith::schematic {
@@ -100,6 +102,51 @@ std::vector<std::complex<double>> network_response(const Netlist& netlist, const
     out.push_back(equations.response(f.rad_s()));
   }
   return out;
+}
+
+void ResponseOfParts::System::add(const Stamps::Slope& slope, double factor) {
+  const std::complex<double> value(factor * slope.f, factor * w * slope.q);
+  if (slope.column == kInput) {
+    b(slope.row) -= value;
+  } else {
+    m(slope.row, slope.column) += value;
+  }
+}
+
+ResponseOfParts::ResponseOfParts(const Netlist& netlist, const std::vector<Hertz>& grid,
+                                 const Assumptions& assumptions)
+    : response_(grid.size()) {
+  const Equations equations(netlist, assumptions);
+  std::vector<Stamps::Slope> slopes;
+  for (std::size_t i = 0; i < netlist.parts.size(); ++i) {
+    const auto power = equations.part(i).power_of_value();
+    if (!power)
+      throw std::invalid_argument(netlist.parts[i].name + " has no value that the response could follow");
+    parts_.push_back({netlist.parts[i].realised, *power, {}});
+    Stamps stamps({}, {}, parts_.back().slopes);
+    equations.part(i).stamp({}, stamps);
+  }
+  for (const Hertz f : grid) {
+    const SparseSystem whole = equations.small_signal(f.rad_s());
+    others_.push_back({f.rad_s().value, whole.dense(), whole.b});
+    for (const Part& part : parts_) {
+      for (const Stamps::Slope& slope : part.slopes) others_.back().add(slope, -1.0);
+    }
+  }
+  out_ = equations.node("out");
+}
+
+const std::vector<std::complex<double>>& ResponseOfParts::at(std::span<const double> values) {
+  for (std::size_t i = 0; i < others_.size(); ++i) {
+    all_ = others_[i];
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      const double factor = std::pow(values[p] / parts_[p].nominal, parts_[p].power);
+      for (const Stamps::Slope& slope : parts_[p].slopes) all_.add(slope, factor);
+    }
+    response_[i] =
+        out_ < 0 ? std::complex<double>(out_ == kInput ? 1.0 : 0.0) : solve_lu(all_.m, all_.b)(out_);
+  }
+  return response_;
 }
 
 std::complex<double> return_ratio(const Equations& equations, const Netlist& netlist, std::size_t opamp,

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,36 @@ namespace bodesmith::schematic {
 /// V(out)/V(in) of the whole network over a grid, so that every stage loads the one before it.
 std::vector<std::complex<double>> network_response(const Netlist& netlist, const std::vector<Hertz>& grid,
                                                    const Assumptions& assumptions = {});
+
+/// The same for any values of the netlist's parts, over one grid: the linear equations are numbered and scaled once, filled and
+/// solved for each set of values. Throws std::invalid_argument for parts whose stamp is no power of their value (diodes).
+class ResponseOfParts {
+ public:
+  ResponseOfParts(const Netlist& netlist, const std::vector<Hertz>& grid,
+                  const Assumptions& assumptions = {});
+  /// `values`: one of each of Netlist::parts (ohm, farad). Valid until the next call.
+  const std::vector<std::complex<double>>& at(std::span<const double> values);
+
+ private:
+  struct Part {
+    double nominal, power;
+    std::vector<Stamps::Slope> slopes;  ///< at the nominal value
+  };
+  /// The small-signal equations M x = b at one frequency.
+  struct System {
+    double w;
+    Eigen::MatrixXcd m;
+    Eigen::VectorXcd b;
+
+    void add(const Stamps::Slope& slope, double factor);
+  };
+
+  std::vector<Part> parts_;
+  std::vector<System> others_;  ///< what is no part, a system a frequency
+  int out_ = 0;
+  System all_;
+  std::vector<std::complex<double>> response_;
+};
 
 /// Return ratio of an op-amp with all others at work, -A (v+ - v-) for its own source set to 1 V and the input at rest:
 /// 1 + T is what must not vanish. Every feedback is in it.

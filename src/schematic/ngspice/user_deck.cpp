@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "schematic/ngspice/plain_netlist.hpp"
+#include "schematic/plain_number.hpp"
 
 namespace bodesmith::ngspice {
 namespace {
@@ -28,29 +29,6 @@ std::vector<std::string> words_of(std::string_view line) {
   }
   if (!word.empty()) out.push_back(std::move(word));
   return out;
-}
-
-/// SPICE's own number: 4.7k, 1meg, 10uF.
-bool spice_value(const std::string& text, double& value) {
-  size_t end = 0;
-  while (end < text.size() &&
-         (is_digit(text[end]) || text[end] == '.' || text[end] == '-' || text[end] == '+' ||
-          ((text[end] == 'e' || text[end] == 'E') && end + 1 < text.size() &&
-           (is_digit(text[end + 1]) || text[end + 1] == '-' || text[end + 1] == '+')))) {
-    ++end;
-  }
-  if (end == 0 || !parse_number(std::string_view(text).substr(0, end), value)) return false;
-  const std::string suffix = lower_case(std::string_view(text).substr(end));
-  static const std::pair<const char*, double> scales[] = {
-      {"meg", 1e6}, {"mil", 25.4e-6}, {"t", 1e12}, {"g", 1e9},   {"k", 1e3},
-      {"m", 1e-3},  {"u", 1e-6},      {"n", 1e-9}, {"p", 1e-12}, {"f", 1e-15}};
-  for (const auto& [name, scale] : scales) {
-    if (suffix.starts_with(name)) {
-      value *= scale;
-      break;
-    }
-  }
-  return true;
 }
 
 class UserDeckReader {
@@ -160,10 +138,10 @@ class UserDeckReader {
       double magnitude = 1.0, phase = 0.0;
       size_t at = i + 1;
       if (word.starts_with("ac=")) {
-        spice_value(word.substr(3), magnitude);
-      } else if (at < words.size() && spice_value(words[at], magnitude)) {
+        schematic::spice_value(word.substr(3), magnitude);
+      } else if (at < words.size() && schematic::spice_value(words[at], magnitude)) {
         ++at;
-        if (at < words.size()) spice_value(words[at], phase);
+        if (at < words.size()) schematic::spice_value(words[at], phase);
       }
       if (magnitude == 0.0) return;
       if (source_line_ > 0) {

@@ -246,6 +246,29 @@ Lines model_texts(const SpiceLibrary& library, const SpiceOptions& options) {
   return out;
 }
 
+/// What an element is connected to.
+struct Nodes {
+  using List = std::vector<std::string*>;
+  List operator()(Part& one) const { return {&one.from, &one.to}; }
+  List operator()(OpAmp& one) const { return {&one.plus, &one.minus, &one.out}; }
+  List operator()(Multiplier& one) const { return {&one.x, &one.y, &one.z, &one.out}; }
+  List operator()(Contact& one) const { return {&one.from, &one.to, &one.control}; }
+  List operator()(Source& one) const { return {&one.node}; }
+  List operator()(Comparator& one) const { return {&one.in, &one.out}; }
+  List operator()(Gate& one) const {
+    List out{&one.out};
+    for (auto* levels : {&one.high, &one.low}) {
+      for (std::string& level : *levels) out.push_back(&level);
+    }
+    return out;
+  }
+  List operator()(Instance& one) const {
+    List out;
+    for (std::string& node : one.nodes) out.push_back(&node);
+    return out;
+  }
+};
+
 }  // namespace
 
 const Subcircuit& SpiceLibrary::subcircuit(const std::string& name) const {
@@ -264,9 +287,9 @@ Netlist SpiceLibrary::flat(const std::string& name) const {
         !inner.sources.empty() || !inner.comparators.empty() || !inner.gates.empty())
       throw InputError(fmt::format(
           "{}: {} holds more than resistors, capacitors and op-amps between its pins", title, instance.of));
-    const auto place = [&](auto& one, std::initializer_list<std::string*> nodes) {
+    const auto place = [&](auto& one) {
       one.group += out.groups.size();
-      for (std::string* node : nodes) {
+      for (std::string* node : Nodes()(one)) {
         const auto pin = std::find(of.pins.begin(), of.pins.end(), *node);
         if (pin != of.pins.end()) {
           *node = instance.nodes[static_cast<std::size_t>(pin - of.pins.begin())];
@@ -275,12 +298,26 @@ Netlist SpiceLibrary::flat(const std::string& name) const {
         }
       }
     };
-    for (Part& one : inner.parts) place(one, {&one.from, &one.to});
-    for (OpAmp& one : inner.opamps) place(one, {&one.plus, &one.minus, &one.out});
+    for_each_element(inner, place);
     out.parts.insert(out.parts.end(), inner.parts.begin(), inner.parts.end());
     out.opamps.insert(out.opamps.end(), inner.opamps.begin(), inner.opamps.end());
     out.groups.insert(out.groups.end(), inner.groups.begin(), inner.groups.end());
   }
+  return out;
+}
+
+Netlist SpiceLibrary::two_port(const std::string& name) const {
+  const std::vector<std::string>& pins = subcircuit(name).pins;
+  if (pins.size() != 2)
+    throw InputError(
+        fmt::format("{}: {} has {} pins, expected its input and its output", title, name, pins.size()));
+  Netlist out = flat(name);
+  for_each_element(out, [&](auto& one) {
+    for (std::string* node : Nodes()(one)) {
+      const bool taken = *node == "in" || *node == "out";
+      *node = *node == pins[0] ? "in" : *node == pins[1] ? "out" : taken ? *node + "_" : *node;
+    }
+  });
   return out;
 }
 

@@ -44,6 +44,8 @@ struct SpiceLibrary {
   /// A subcircuit of resistors, capacitors and op-amps with what its instances hold in their places: a group each, the inner
   /// node k of instance 2 is s2_k. InputError for other elements in them.
   Netlist flat(const std::string& name) const;
+  /// The same from node "in" to node "out": its first and its second pin. InputError where it has more or fewer.
+  Netlist two_port(const std::string& name) const;
 };
 
 struct SpiceOptions {
@@ -56,9 +58,12 @@ struct SpiceOptions {
 
 std::string spice_text(const SpiceLibrary& library, const SpiceOptions& options = {});
 
-/// What spice_text() has written, read back: printed again it is the same bytes. Lines that it does not write (another
-/// element, a model that is none of ours) are an InputError with file and line. Deviations are read as the netlist's own
-/// values; op-amps of a second type as the fast ones.
+/// What spice_text() has written, read back: printed again it is the same bytes; and what people write of such elements:
+///   R1 a b 4.7k, C1 a 0 {c}, V1 vcc 0 DC 15, Xu1 plus minus [vcc vee] out OPA1611 (a type of OpAmpLibrary; its own
+///   definition is passed over), E1 out 0 plus minus 1e6 (an op-amp of that gain), .param c=10n, subcircuits in subcircuits.
+/// Elements outside a subcircuit are one from the node of the source with an AC value (else `in`) to `out`; analyses and
+/// outputs are passed over. Another element, a second model of a part, a third type of op-amp are an InputError with file
+/// and line. Deviations are read as the netlist's own values; op-amps of a second type as the fast ones.
 SpiceLibrary read_spice(const std::string& text, const std::string& file);
 
 }  // namespace bodesmith::schematic

@@ -1,13 +1,17 @@
-// SPICE back to netlists: a line is an element, its first letter and its last word say which.
+// SPICE to netlists: a line is an element, its first letter and its last word say which.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <regex>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "schematic/elements/element.hpp"
+#include "schematic/opamp_library.hpp"
+#include "schematic/plain_number.hpp"
 #include "schematic/writers/spice_library.hpp"
 
 namespace bodesmith::schematic {
@@ -33,13 +37,36 @@ double short_number(double value) {
 class Reader {
  public:
   Reader(const std::string& text, const std::string& file) : file_(file) {
-    for (const std::string_view raw : split(text, '\n')) lines_.emplace_back(trim(raw));
+    int number = 0;
+    for (const std::string_view raw : split(text, '\n')) {
+      ++number;
+      const std::string line(trim(raw.starts_with('*') ? raw : raw.substr(0, raw.find(';'))));
+      if (line.starts_with('+') && !lines_.empty()) {
+        lines_.back() += " " + line.substr(1);
+      } else {
+        lines_.push_back(line);
+        numbers_.push_back(number);
+      }
+    }
+    // The first line of a deck is its title, whatever it says.
+    if (is_deck()) lines_[0] = "* " + lines_[0];
+    for (at_ = 0; at_ < lines_.size(); ++at_) {
+      if (lower_case(lines_[at_]).starts_with(".param")) parameters(lines_[at_]);
+    }
+    at_ = 0;
   }
 
   SpiceLibrary read() {
     head();
     while (at_ < lines_.size()) block();
+    if (!deck_.netlist.groups.empty()) {
+      deck_.pins = {input_.empty() ? "in" : input_, node("out")};
+      out_.subcircuits.push_back(std::move(deck_));
+    }
     if (out_.subcircuits.empty()) throw InputError(file_ + ": has no subcircuit, expected .subckt NAME PINS");
+    for (Subcircuit& one : out_.subcircuits) {
+      for (Instance& instance : one.netlist.instances) instance.of = defined(instance.of);
+    }
     for (Subcircuit& one : out_.subcircuits) {
       one.netlist.opamp = models_.opamp;
       one.netlist.fast_opamp = models_.fast_opamp;
@@ -48,17 +75,58 @@ class Reader {
       one.netlist.diode = models_.diode;
     }
     if (out_.top.empty()) out_.top = out_.subcircuits.back().name;
+    if (out_.title.empty()) out_.title = file_;
     return std::move(out_);
   }
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(file_, static_cast<int>(at_ + 1), what);
+    throw InputError(file_, numbers_[std::min(at_, numbers_.size() - 1)], what);
   }
-  double number(const std::string& word) const {
+  bool is_deck() const {
+    return !file_.ends_with(".sub") && !file_.ends_with(".lib") && !lines_[0].starts_with('*') &&
+           !lines_[0].starts_with('.');
+  }
+  /// A subcircuit's name as it is defined; SPICE knows no capitals.
+  std::string defined(const std::string& name) const {
+    for (const Subcircuit& one : out_.subcircuits) {
+      if (lower_case(one.name) == lower_case(name)) return one.name;
+    }
+    Words types;
+    for (const OpAmpModel& type : known_.types()) types.push_back(type.name);
+    throw InputError(
+        file_, used_.at(name),
+        fmt::format("'{}' is neither a subcircuit of this file nor a type of op-amp, expected one of {}",
+                    name, join(types, ", ")));
+  }
+  /// A node as it was first written.
+  std::string node(const std::string& word) {
+    const std::string small = lower_case(word);
+    return small == "gnd" ? "0" : nodes_.try_emplace(small, word).first->second;
+  }
+  const OpAmpModel* type_named(const std::string& name) const {
+    for (const OpAmpModel& type : known_.types()) {
+      if (lower_case(type.name) == lower_case(name)) return &type;
+    }
+    return nullptr;
+  }
+  /// 4.7k, or a parameter between braces.
+  double number(const std::string& word, int deep = 0) const {
     double out = 0.0;
-    if (!parse_number(word, out)) fail(fmt::format("'{}' is no number", word));
+    if (word.starts_with('{') && word.ends_with('}')) {
+      const auto at = parameters_.find(lower_case(trim(std::string_view(word).substr(1, word.size() - 2))));
+      if (at == parameters_.end() || deep > 16) fail(fmt::format("'{}' is no parameter with a number", word));
+      return number(at->second, deep + 1);
+    }
+    if (!spice_value(word, out)) fail(fmt::format("'{}' is no number", word));
     return out;
+  }
+
+  /// `.param a=4.7k b = {a}`, in any order.
+  void parameters(const std::string& line) {
+    static const std::regex kPair(R"(([A-Za-z_]\w*)\s*=\s*([^\s{}]+|\{[^}]*\}))");
+    for (std::sregex_iterator at(line.begin(), line.end(), kPair), end; at != end; ++at)
+      parameters_[lower_case((*at)[1].str())] = (*at)[2];
   }
 
   /// Comments up to the first line that holds nothing but a star.
@@ -93,49 +161,76 @@ class Reader {
     }
     if (at_ >= lines_.size()) return;
     const Words words = words_of(lines_[at_]);
-    if (words[0] == ".model") return model(words);
-    if (words[0] != ".subckt" || words.size() < 2) fail("expected .subckt, .model or a comment");
+    const std::string first = lower_case(words[0]);
+    if (first == ".model") return model(words);
+    if (first == ".control") return pass_to(".endc");
+    if (first == ".end") return static_cast<void>(at_ = lines_.size());
+    if (first != ".subckt") {
+      // Analyses, outputs, options; what an included file is to define is known by its name or refused where it is used.
+      if (first.starts_with('.')) return static_cast<void>(++at_);
+      if (deck_.netlist.groups.empty()) deck_.name = "deck", begin(deck_);
+      element(deck_.netlist);
+      ++at_;
+      return;
+    }
+    if (words.size() < 2) fail("has no name, expected .subckt NAME PINS");
     if (words[1].starts_with("bodesmith_")) return model_subcircuit(words[1], comments);
+    if (type_named(words[1]) != nullptr) return pass_to(".ends");
     Subcircuit one;
     one.name = words[1];
-    one.pins.assign(words.begin() + 2, words.end());
     one.comments = comments;
-    one.netlist.groups = {{"", Purpose::stage}};
-    groups_seen_ = 0;
-    for (++at_; at_ < lines_.size() && !lines_[at_].starts_with(".ends"); ++at_) element(one.netlist);
+    const auto nodes_of_deck = std::exchange(nodes_, {});
+    for (std::size_t i = 2; i < words.size(); ++i) one.pins.push_back(node(words[i]));
+    begin(one);
+    for (++at_; at_ < lines_.size() && !is_end(); ++at_) element(one.netlist);
     if (at_ == lines_.size()) fail(".subckt is not ended, expected .ends");
     ++at_;
+    nodes_ = nodes_of_deck;
     out_.subcircuits.push_back(std::move(one));
+  }
+
+  void begin(Subcircuit& one) {
+    one.netlist.groups = {{"", Purpose::stage}};
+    groups_seen_ = 0;
+  }
+  bool is_end() const { return lower_case(lines_[at_]).starts_with(".ends"); }
+  void pass_to(const std::string& end) {
+    while (at_ < lines_.size() && !lower_case(lines_[at_]).starts_with(end)) ++at_;
+    if (at_ == lines_.size()) fail("is not ended, expected " + end);
+    ++at_;
   }
 
   void element(Netlist& into) {
     const std::string& line = lines_[at_];
-    if (line.empty()) return;
-    if (line.starts_with("* ")) {
-      into.groups.push_back({line.substr(2), Purpose::stage});
+    if (line.empty() || line == "*" || lower_case(line).starts_with(".param")) return;
+    if (line.starts_with('*')) {
+      into.groups.push_back({line.substr(line.starts_with("* ") ? 2 : 1), Purpose::stage});
       return;
     }
-    const Words w = words_of(line);
+    Words w = words_of(line);
     const std::size_t group = place(w, into);
     const auto expect = [&](std::size_t count) {
       if (w.size() != count) fail(fmt::format("has {} words, expected {}", w.size(), count));
+      for (std::size_t i = 1; i < 3; ++i) w[i] = node(w[i]);
     };
-    switch (line[0]) {
+    const char kind = kind_of(w);
+    switch (kind) {
       case 'R':
-      case 'C':
+      case 'C': {
         expect(4);
-        into.parts.push_back({line[0] == 'R' ? Part::Kind::resistor : Part::Kind::capacitor, w[0], "", group,
-                              w[1], w[2], "exact", number(w[3]), number(w[3])});
+        const double value = number(w[3]);
+        if (!(value > 0.0)) fail(fmt::format("'{}' is no value of a part, expected one above 0", w[3]));
+        into.parts.push_back({kind == 'R' ? Part::Kind::resistor : Part::Kind::capacitor, w[0], "", group,
+                              w[1], w[2], "exact", value, value});
         return;
+      }
       case 'D':
         expect(4);
+        if (w[3] != "bodesmith_diode") fail("is a diode of another model, expected bodesmith_diode");
         into.parts.push_back({Part::Kind::diode, w[0], "", group, w[1], w[2], "", 0.0, 0.0});
         return;
       case 'V':
-        expect(4);
-        if (w[2] != "0") fail("a source stands between two nodes, expected one to ground");
-        into.sources.push_back({w[0], "", w[1], number(w[3]), group});
-        return;
+        return source(w, group, into);
       case 'E':
         return level(line, w, group, into);
       case 'X':
@@ -145,13 +240,36 @@ class Reader {
     }
   }
 
+  static char kind_of(const Words& w) {
+    const char letter = w[0][0];
+    return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
+  }
+
+  /// `V1 vcc 0 15`, `V1 vcc 0 DC 15`; with an AC value it is the input.
+  void source(const Words& w, std::size_t group, Netlist& into) {
+    if (w.size() < 4) fail("has no value, expected V NAME NODE 0 VALUE");
+    if (node(w[2]) != "0") fail("a source stands between two nodes, expected one to ground");
+    for (std::size_t i = 3; i < w.size(); ++i) {
+      if (!lower_case(w[i]).starts_with("ac")) continue;
+      input_ = node(w[1]);
+      return;
+    }
+    const bool named = lower_case(w[3]) == "dc";
+    if (w.size() != (named ? 5u : 4u)) fail("is more than a constant voltage or an AC value");
+    into.sources.push_back({w[0], "", node(w[1]), number(w.back()), group});
+  }
+
   /// Within a group elements stand in a fixed order, as they are printed; one that comes too late begins another group.
   std::size_t place(const Words& w, Netlist& into) {
-    int rank = w[0][0] == 'V' ? 0 : w[0][0] == 'E' ? 4 : 1;
-    if (w[0][0] == 'E' && w.size() > 4 && w[4].find("tanh") == std::string::npos) rank = 5;
-    if (w[0][0] == 'X') {
+    const char kind = kind_of(w);
+    int rank = kind == 'V' ? 0 : kind == 'E' ? 4 : 1;
+    if (kind == 'E' && w.size() > 4 && w[4].find("tanh") == std::string::npos) rank = is_amplifier(w) ? 3 : 5;
+    if (kind == 'X') {
       const std::string& of = w.back();
-      rank = of == "bodesmith_multiplier" ? 2 : of == "bodesmith_switch" ? 6 : of.ends_with("_opamp") ? 3 : 7;
+      rank = of == "bodesmith_multiplier"                          ? 2
+             : of == "bodesmith_switch"                            ? 6
+             : of.ends_with("_opamp") || type_named(of) != nullptr ? 3
+                                                                   : 7;
     }
     if (into.groups.size() != groups_seen_) rank_ = 0;
     if (rank < rank_) into.groups.push_back({"", Purpose::stage});
@@ -162,23 +280,66 @@ class Reader {
 
   void instance(const Words& w, std::size_t group, Netlist& into) {
     if (w.size() < 3) fail("expected X NAME NODES SUBCIRCUIT");
-    const std::string name = w[0].substr(1), &of = w.back();
-    if (of == "bodesmith_opamp" || of == "bodesmith_fast_opamp") {
+    const std::string name = w[0].substr(1), of = w.back();
+    Words pins;
+    for (std::size_t i = 1; i + 1 < w.size(); ++i) pins.push_back(node(w[i]));
+    if (const OpAmpModel* type = type_named(of)) {
+      // In the order of makers' models: + - out, or + - supplies out.
+      if (pins.size() != 3 && pins.size() != 5)
+        fail(fmt::format("has {} pins, expected + - out, or + - and both supplies and out", pins.size()));
+      into.opamps.push_back({name, "", group, pins[0], pins[1], pins.back(), is_second(*type)});
+    } else if (of == "bodesmith_opamp" || of == "bodesmith_fast_opamp") {
       if (w.size() != 5) fail("an op-amp has three pins");
-      into.opamps.push_back({name, "", group, w[1], w[2], w[3], of == "bodesmith_fast_opamp"});
+      into.opamps.push_back({name, "", group, pins[0], pins[1], pins[2], of == "bodesmith_fast_opamp"});
     } else if (of == "bodesmith_multiplier") {
       if (w.size() != 6) fail("a multiplier has four pins");
-      into.multipliers.push_back({name, "", group, w[1], w[2], w[3], w[4], 0.0});
+      into.multipliers.push_back({name, "", group, pins[0], pins[1], pins[2], pins[3], 0.0});
     } else if (of == "bodesmith_switch") {
       if (w.size() != 5) fail("a contact has three pins");
-      into.contacts.push_back({name, group, w[1], w[2], w[3], static_cast<int>(into.contacts.size())});
+      into.contacts.push_back(
+          {name, group, pins[0], pins[1], pins[2], static_cast<int>(into.contacts.size())});
     } else {
-      into.instances.push_back({name, group, {w.begin() + 1, w.end() - 1}, of});
+      used_.try_emplace(of, numbers_[at_]);
+      into.instances.push_back({name, group, pins, of});
     }
+  }
+
+  /// Whether a type of op-amp is a netlist's second.
+  bool is_second(const OpAmpModel& type) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (i == types_.size()) {
+        types_.push_back(type.name);
+        (i == 0 ? models_.opamp : models_.fast_opamp) = type;
+      }
+      if (types_[i] == type.name) return i == 1;
+    }
+    fail(fmt::format("'{}' is a third type of amplifier, expected two at most", type.name));
+  }
+
+  /// `E1 out 0 plus minus 1e6`: an op-amp that has this gain at every frequency.
+  static bool is_amplifier(const Words& w) { return w.size() == 6 && lower_case(w[3]).find("value") != 0; }
+  void amplifier(const Words& w, std::size_t group, Netlist& into) {
+    if (node(w[2]) != "0")
+      fail("an amplifier's output stands between two nodes, expected one against ground");
+    const double gain = number(w[5]);
+    OpAmpModel model;
+    model.name = fmt::format("gain of {:.6g}", std::abs(gain));
+    model.dc_gain = std::abs(gain);
+    // Beyond every frequency and voltage of a circuit.
+    model.gain_bandwidth = Hertz{1e18};
+    model.slew_v_per_s = 1e24;
+    model.swing_v = 1e6;
+    model.output_resistance_ohm = model.bias_current_a = model.offset_v = 0.0;
+    model.voltage_noise_v_per_rthz = model.current_noise_a_per_rthz = 0.0;
+    if (!(model.dc_gain > 0.0)) fail("has no gain, expected a number other than 0");
+    const std::string plus = node(w[3]), minus = node(w[4]);
+    into.opamps.push_back({w[0], "", group, gain > 0.0 ? plus : minus, gain > 0.0 ? minus : plus, node(w[1]),
+                           is_second(model)});
   }
 
   /// `Ename name 0 VALUE={ 0.5+0.5*tanh(…) }` or a product of levels.
   void level(const std::string& line, const Words& w, std::size_t group, Netlist& into) {
+    if (is_amplifier(w)) return amplifier(w, group, into);
     static const std::regex kValue(R"(E(\S+) (\S+) 0 VALUE=\{ (.*) \})");
     static const std::regex kTanh(
         R"(0\.5\+0\.5\*tanh\((?:([-+.\deE]+)\*)?(?:v\((\S+?)\)|\(v\((\S+?)\)-([-+.\deE]+)\))\))");
@@ -219,7 +380,7 @@ class Reader {
       models_.diode = {number(found[1]), number(found[2]), number(found[3]), number(found[4]),
                        number(found[5])};
     } else if (words.size() < 2 || words[1] != "bodesmith_flicker") {
-      fail("is a model of another program's, expected bodesmith_diode");
+      // Of a part that stands in no line that is read: where one is used it is refused.
     }
     ++at_;
   }
@@ -314,8 +475,16 @@ class Reader {
     return out;
   }
 
+  const OpAmpLibrary known_ = OpAmpLibrary::built_in();
   std::string file_;
   Words lines_;
+  std::vector<int> numbers_;  ///< of the lines in the file
+  std::map<std::string, std::string> parameters_;
+  std::map<std::string, std::string> nodes_;  ///< in small letters, and as they were first written
+  std::map<std::string, int> used_;           ///< subcircuits, and the line that uses them first
+  Words types_;                               ///< of op-amps
+  Subcircuit deck_;                           ///< what stands in no subcircuit
+  std::string input_;                         ///< the node of its source with an AC value
   std::size_t at_ = 0;
   SpiceLibrary out_;
   Netlist models_;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <complex>
+#include <stdexcept>
+#include <vector>
 
 #include "schematic/analysis/response.hpp"
 
@@ -92,6 +94,29 @@ TEST(Sensitivity, TheAdjointIsTheDifferenceQuotient) {
       EXPECT_LT(std::abs(resistors - capacitors), 1e-10);
     }
   }
+}
+
+TEST(ResponseOfParts, IsThatOfTheNetlistWithTheseParts) {
+  Netlist netlist = sallen_key();
+  const std::vector<Hertz> grid{Hertz{0.0}, Hertz{50.0}, Hertz{3e3}, Hertz{1e6}};
+  for (const bool ideal : {true, false}) {
+    ResponseOfParts of_parts(sallen_key(), grid, {.ideal_opamps = ideal});
+    for (const double factor : {0.5, 1.0, 1.03, 20.0}) {
+      std::vector<double> values;
+      for (std::size_t i = 0; i < netlist.parts.size(); ++i) {
+        netlist.parts[i].realised =
+            sallen_key().parts[i].realised * std::pow(factor, static_cast<double>(i) - 2.0);
+        values.push_back(netlist.parts[i].realised);
+      }
+      const auto wanted = network_response(netlist, grid, {.ideal_opamps = ideal});
+      const auto& got = of_parts.at(values);
+      for (std::size_t i = 0; i < grid.size(); ++i)
+        EXPECT_LT(std::abs(got[i] - wanted[i]), 1e-10 * std::abs(wanted[i]))
+            << factor << " " << grid[i].value;
+    }
+  }
+  netlist.parts.push_back({Part::Kind::diode, "D1", "", 0, "out", "0", "", 0.0, 0.0});
+  EXPECT_THROW(ResponseOfParts(netlist, grid), std::invalid_argument);
 }
 
 TEST(Noise, OfAnRcIsKTOverC) {

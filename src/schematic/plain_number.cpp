@@ -1,0 +1,31 @@
+#include "schematic/plain_number.hpp"
+
+#include <utility>
+
+#include "base/text.hpp"
+
+namespace bodesmith::schematic {
+
+bool spice_value(const std::string& text, double& value) {
+  size_t end = 0;
+  while (end < text.size() &&
+         (is_digit(text[end]) || text[end] == '.' || text[end] == '-' || text[end] == '+' ||
+          ((text[end] == 'e' || text[end] == 'E') && end + 1 < text.size() &&
+           (is_digit(text[end + 1]) || text[end + 1] == '-' || text[end + 1] == '+')))) {
+    ++end;
+  }
+  if (end == 0 || !parse_number(std::string_view(text).substr(0, end), value)) return false;
+  const std::string suffix = lower_case(std::string_view(text).substr(end));
+  static const std::pair<const char*, double> scales[] = {
+      {"meg", 1e6}, {"mil", 25.4e-6}, {"t", 1e12}, {"g", 1e9},   {"k", 1e3},
+      {"m", 1e-3},  {"u", 1e-6},      {"n", 1e-9}, {"p", 1e-12}, {"f", 1e-15}};
+  for (const auto& [name, scale] : scales) {
+    if (suffix.starts_with(name)) {
+      value *= scale;
+      break;
+    }
+  }
+  return true;
+}
+
+}  // namespace bodesmith::schematic

@@ -14,7 +14,8 @@ namespace {
 std::optional<double> worst_agreement(const std::vector<EngineRow>& rows) {
   std::optional<double> out;
   for (const EngineRow& one : rows) {
-    if (!one.cvode_percent) continue;  // a board
+    const bool board = !one.cvode_percent;
+    if (board && !one.ngspice_percent) continue;
     if (!one.ngspice_percent || !one.agreement_percent) return std::nullopt;
     out = std::max(out.value_or(0.0), *one.agreement_percent);
   }

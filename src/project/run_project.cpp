@@ -102,6 +102,7 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
   std::vector<TrackedCandidate> candidates;
   tracking::Report followed;
   CircuitTracked circuit;
+  BoardsInTime board;
   std::vector<TrackedElsewhere> elsewhere;
 
   Stages stages;
@@ -140,15 +141,17 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
   const auto here = stages.add({design}, [&] { followed = follow_designs(project, candidates); });
   const auto simulated =
       stages.add({design}, [&] { circuit = track_circuit(project, run.design, candidates); });
+  const auto clocked =
+      stages.add({here}, [&] { board = track_board_in_time(project, run.design, candidates, followed); });
   const auto there = stages.add({design, controllers_tracked}, [&] {
     if (!project.deadline.passed()) elsewhere = tracked_elsewhere(project, candidates, controllers);
   });
-  stages.add({here, simulated, there, files, ngspice, studies}, [&] {
+  stages.add({clocked, simulated, there, files, ngspice, studies}, [&] {
     stop_if_interrupted();
     progress.at(0.9, 1.0, "report");
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,
                                   std::move(elsewhere));
-    run.tracking.engines = engine_rows(run.tracking, followed, circuit);
+    run.tracking.engines = engine_rows(run.tracking, followed, circuit, board);
     run.tracking.compute_s = tracking_watch.seconds();
     run.limits = check_limits(project, run.design, run.tracking);
     say_what_was_left(run);

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/text.hpp"
-#include "tracking/waveforms.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -41,8 +40,8 @@ std::vector<Hertz> all_frequencies(const Project& project) {
 std::array<double, 2> drive_extremes(const Project& project, double amplitude) {
   std::array<double, 2> out = {0.0, 0.0};
   for (const Hertz f : all_frequencies(project)) {
-    const tracking::BranchCurve curve(project.target.disturbance, amplitude, f);
-    for (const std::size_t branch : {std::size_t{0}, std::size_t{1}}) {
+    const Disturbance curve = project.target.disturbance.at(amplitude, f);
+    for (const Branch branch : kBranches) {
       for (int i = 0; i <= 64; ++i) {
         const double r = amplitude * i / 64.0;
         double v = r;
@@ -106,8 +105,7 @@ void check_loop(const Project& project, const Node& node, const std::filesystem:
   for (const Branch branch : kBranches) {
     for (const Hertz f : all_frequencies(project)) {
       for (const double amplitude : project.track.amplitudes) {
-        const tracking::BranchCurve curve(project.target.disturbance, amplitude, f);
-        const double gain = curve.steepest(branch_index(branch));
+        const double gain = project.target.disturbance.at(amplitude, f).steepest(branch, amplitude);
         if (gain < 1.0) continue;
         Provenance ignored;
         const Node file = read_document(folder / node.at("target").at("disturbance").string(), ignored);

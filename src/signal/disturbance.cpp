@@ -62,6 +62,28 @@ double Disturbance::rate_gain(Branch branch, Hertz frequency) const {
   return interpolate(key, rate.of(branch), std::log(frequency.value));
 }
 
+double Disturbance::steepest(Branch branch, double to) const {
+  // d' is a parabola: its ends and, where that lies inside, its vertex.
+  const std::array<double, 3>& a = coefficients(branch);
+  double most = std::max(std::abs(slope(branch, 0.0)), std::abs(slope(branch, to)));
+  const double vertex = a[2] == 0.0 ? -1.0 : -a[1] / (3.0 * a[2]);
+  if (vertex > 0.0 && vertex < to) most = std::max(most, std::abs(slope(branch, vertex)));
+  return most;
+}
+
+Disturbance Disturbance::at(double alpha, std::optional<Hertz> operating) const {
+  Disturbance out;
+  for (const Branch branch : kBranches) {
+    double scale = amplitude.at(branch, alpha);
+    for (std::size_t i = 0; i < 3; ++i) {
+      scale /= alpha;
+      out.coefficients(branch)[i] = scale * coefficients(branch)[i];
+      if (operating) out.coefficients(branch)[i] *= rate_gain(branch, *operating);
+    }
+  }
+  return out;
+}
+
 double Disturbance::AmplitudeGains::at(Branch branch, double stroke) const {
   if (alpha.empty()) return stroke;
   return interpolate(alpha, of(branch), stroke) * std::min(stroke / alpha.front(), 1.0);

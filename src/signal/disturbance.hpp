@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -60,6 +61,16 @@ struct Disturbance {
     const auto& a = coefficients(branch);
     return x * (a[0] + x * (a[1] + x * a[2]));
   }
+  /// d'(x).
+  double slope(Branch branch, double x) const {
+    const auto& a = coefficients(branch);
+    return a[0] + x * (2.0 * a[1] + x * 3.0 * a[2]);
+  }
+  /// Largest |d'| over 0 ... to: the gain of a loop round the generator.
+  double steepest(Branch branch, double to) const;
+  /// As the stage (or, without `operating`, the generator) makes it at one amplitude and frequency: k_b(f) alpha_b(alpha)
+  /// d_b(x/alpha), gains in the coefficients.
+  Disturbance at(double alpha, std::optional<Hertz> operating = std::nullopt) const;
   /// Rate gain of a branch at an operating frequency: the table interpolated linearly in log frequency, held
   /// at its ends; 1 without a table.
   double rate_gain(Branch branch, Hertz frequency) const;

@@ -34,8 +34,8 @@ StateSpace lag(double time_constant_s) {
 
 DrivenStage::DrivenStage(const Plant& plant, const Options& options, Hertz frequency)
     : reference_(options.reference, options.alpha),
-      generator_(plant.generated(), options.alpha),
-      own_(plant.disturbance, options.alpha, frequency),
+      generator_(plant.generated().at(options.alpha)),
+      own_(plant.disturbance.at(options.alpha, frequency)),
       repeat_s_(static_cast<double>(reference_.periods()) / frequency.value),
       before_switch_(options.place == Options::Place::before_switch),
       on_drive_(options.argument == Options::Argument::drive) {}
@@ -101,10 +101,10 @@ DrivenStage::Wave DrivenStage::compensation(const Gains& gains, const Wave& hear
   for (std::size_t branch = 0; branch < 2; ++branch) {
     Wave w;
     if (filter_hears(branch)) {
-      const double d = generator_.value(branch, heard.value);
+      const double d = generator_.value(kBranches[branch], heard.value);
       w.value = gains.k[branch] * d;
-      w.slope =
-          gains.k[branch] * generator_.slope(branch, heard.value) * heard.slope + gains.slope[branch] * d;
+      w.slope = gains.k[branch] * generator_.slope(kBranches[branch], heard.value) * heard.slope +
+                gains.slope[branch] * d;
     }
     const StateSpace& filter = blocks_[first + branch];
     const std::size_t at = at_[first + branch];
@@ -126,7 +126,8 @@ DrivenStage::Wave DrivenStage::self_fed(const Gains& gains, const Wave& referenc
     steepness = 1.0;
     for (std::size_t branch = 0; branch < 2; ++branch) {
       if (filter_hears(branch) && filter_counts(branch))
-        steepness += blocks_[detectors_ + branch].d * gains.k[branch] * generator_.slope(branch, v.value);
+        steepness +=
+            blocks_[detectors_ + branch].d * gains.k[branch] * generator_.slope(kBranches[branch], v.value);
     }
     const double step = (reference.value - c.value - v.value) / steepness;
     v.value += step;
@@ -156,7 +157,7 @@ DrivenStage::Outputs DrivenStage::evaluate(double theta, const double* x, double
   out.drive = output(blocks_[drive], v.value, x + at_[drive]);
   out.drive_slope = output_slope(blocks_[drive], v.slope, dx + at_[drive]);
   const bool rising = on_drive_ ? drive_rising_ : Reference::rises(piece_);
-  const double q = out.drive + own_.value(rising ? 0 : 1, on_drive_ ? out.drive : r.value);
+  const double q = out.drive + own_.value(branch_of(rising), on_drive_ ? out.drive : r.value);
   derivative(blocks_[drive + 1], q, x + at_[drive + 1], dx + at_[drive + 1]);
   out.displacement = output(blocks_[drive + 1], q, x + at_[drive + 1]);
   return out;

@@ -7,7 +7,6 @@
 
 #include "lti/state_space.hpp"
 #include "tracking/types.hpp"
-#include "tracking/waveforms.hpp"
 
 namespace bodesmith::tracking {
 
@@ -67,8 +66,8 @@ class DrivenStage {
   bool filter_counts(std::size_t branch) const { return !before_switch_ || switched_on(branch); }
 
   Reference reference_;
-  BranchCurve generator_;
-  BranchCurve own_;
+  Disturbance generator_;
+  Disturbance own_;
   double repeat_s_;
   bool before_switch_;
   bool on_drive_;

@@ -66,8 +66,8 @@ PeriodicTracking::PeriodicTracking(const Plant& plant, const Options& options, H
       frequency_(frequency),
       shape_(options.reference, options.alpha),
       n_(2 * options.harmonics * shape_.periods()),
-      generator_(plant.generated(), options.alpha),
-      own_(plant.disturbance, options.alpha, frequency),
+      generator_(plant.generated().at(options.alpha)),
+      own_(plant.disturbance.at(options.alpha, frequency)),
       x_(shape_.samples(n_)) {
   for (std::size_t i = 0; i < n_; ++i) {
     const double theta = static_cast<double>(i) / static_cast<double>(n_);
@@ -85,9 +85,9 @@ std::vector<double> PeriodicTracking::branch_waveform(std::size_t branch,
     const bool on = !gated || rising_[i] == (branch == 0);
     // Where the switch turns the mean of both sides, which is what a jump's spectrum has there.
     if (gated && corner_[i]) {
-      w[i] = 0.5 * generator_.value(branch, heard[i]);
+      w[i] = 0.5 * generator_.value(kBranches[branch], heard[i]);
     } else if (on) {
-      w[i] = generator_.value(branch, heard[i]);
+      w[i] = generator_.value(kBranches[branch], heard[i]);
     }
   }
   return w;
@@ -122,7 +122,7 @@ std::vector<double> PeriodicTracking::compensated(const Prepared& compensator, s
   const bool gated = options_.place == Options::Place::behind_switch;
   for (std::size_t i = 0; i < n_; ++i) {
     if (!gated || rising_[i] == (branch == 0))
-      out[i] = compensator.gain[i] * generator_.value(branch, heard[i]);
+      out[i] = compensator.gain[i] * generator_.value(kBranches[branch], heard[i]);
   }
   return out;
 }
@@ -155,7 +155,7 @@ std::vector<double> PeriodicTracking::loop_gain(const Both& compensators,
     } else if (!compensator.gain.empty()) {
       k = compensator.gain[i];
     }
-    out[i] = k * generator_.slope(branch, heard[i]);
+    out[i] = k * generator_.slope(kBranches[branch], heard[i]);
   }
   return out;
 }
@@ -194,7 +194,7 @@ std::vector<double> PeriodicTracking::stage_disturbance(const std::vector<double
   const std::vector<double>& read = on_drive ? drive : x_;
   const std::vector<bool> rising = on_drive ? rising_samples(drive, 0.02 * options_.alpha) : rising_;
   std::vector<double> out(n_);
-  for (std::size_t i = 0; i < n_; ++i) out[i] = own_.value(rising[i] ? 0 : 1, read[i]);
+  for (std::size_t i = 0; i < n_; ++i) out[i] = own_.value(branch_of(rising[i]), read[i]);
   return out;
 }
 

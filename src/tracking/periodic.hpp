@@ -8,7 +8,6 @@
 #include "tracking/compensator.hpp"
 #include "tracking/reference.hpp"
 #include "tracking/types.hpp"
-#include "tracking/waveforms.hpp"
 
 namespace bodesmith::tracking {
 
@@ -67,8 +66,8 @@ class PeriodicTracking {
   Hertz frequency_;
   Reference shape_;
   std::size_t n_;
-  BranchCurve generator_;
-  BranchCurve own_;
+  Disturbance generator_;
+  Disturbance own_;
   std::vector<double> x_;
   std::vector<bool> rising_;
   std::vector<bool> corner_;

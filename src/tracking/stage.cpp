@@ -13,7 +13,6 @@
 #include "hysteresis/polynomial_disturbance.hpp"
 #include "lti/bulk_response.hpp"
 #include "numeric/fourier.hpp"
-#include "tracking/waveforms.hpp"
 
 namespace bodesmith::tracking {
 namespace {

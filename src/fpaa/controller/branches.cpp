@@ -121,9 +121,8 @@ std::vector<double> ControllerBranches::power_weights(Direction branch) const {
   if (out_.by == PolynomialBy::outside) return {a[0], a[1], a[2]};
   const double s = out_.scale.volts_per_stroke;
   const double x = out_.scale.centre;
-  const double slope = a[0] + x * (2.0 * a[1] + 3.0 * a[2] * x);
-  return {s * disturbance_.value(branch, x) / kFullScaleV, slope, kFullScaleV * (a[1] + 3.0 * a[2] * x) / s,
-          kFullScaleV * kFullScaleV * a[2] / (s * s)};
+  return {s * disturbance_.value(branch, x) / kFullScaleV, disturbance_.slope(branch, x),
+          kFullScaleV * (a[1] + 3.0 * a[2] * x) / s, kFullScaleV * kFullScaleV * a[2] / (s * s)};
 }
 
 double ControllerBranches::wanted_output_weight() const {

@@ -16,11 +16,6 @@ constexpr double kFreeShare = 0.02;
 /// Volts per stroke are a whole number of these steps, so that a person can set them.
 constexpr double kScaleStepsPerV = 20.0;
 
-double derivative(const Disturbance& d, Direction branch, double x) {
-  const auto& a = d.coefficients(branch);
-  return a[0] + x * (2.0 * a[1] + x * 3.0 * a[2]);
-}
-
 }  // namespace
 
 double settled_drive(const Disturbance& d, Direction branch, double gain, double r) {
@@ -56,7 +51,7 @@ DriveRange drive_range(const Disturbance& d, bool ascending_compensated, bool de
     for (const double gain : rate_gains(d, branch, compensated)) {
       for (int i = 0; i < kRangePoints; ++i) {
         const double x = out.low + (out.high - out.low) * i / (kRangePoints - 1.0);
-        const double factor = std::abs(gain * derivative(d, branch, x));
+        const double factor = std::abs(gain * d.slope(branch, x));
         if (factor > out.contraction.factor) out.contraction = {factor, x, gain, branch};
       }
     }

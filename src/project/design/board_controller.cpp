@@ -12,7 +12,6 @@
 #include "fpaa/controller/gains.hpp"
 #include "fpaa/controller/run.hpp"
 #include "signal/csv.hpp"
-#include "tracking/waveforms.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "project/tracking/tracked_designs.hpp"
+#include "project/tracking/board_in_time.hpp"
 
 namespace bodesmith::project {
 
@@ -18,7 +18,7 @@ CircuitTracked track_circuit(const Project& project, const Design& design,
 /// Of a study that is complete but for them: the analog controller, the circuit and the board (the better of one pass and
 /// self-fed), the best controller on the board. `followed`: by CVODE, checked by harmonics.
 std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::Report& followed,
-                                   const CircuitTracked& circuit);
+                                   const CircuitTracked& circuit, const BoardsInTime& board);
 
 /// Head and rows of texts, for a terminal or a page.
 std::vector<std::vector<std::string>> engine_table(const std::vector<EngineRow>& rows);

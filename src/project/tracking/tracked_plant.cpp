@@ -26,6 +26,13 @@ tracking::Plant tracking_plant(const Project& project) {
   return plant;
 }
 
+tracking::PolynomialStage own_stage(const Project& project) {
+  const tracking::Plant plant = tracking_plant(project);
+  tracking::PolynomialStage::Options options;
+  options.alpha = project.track.amplitude();
+  return {plant.disturbance, plant.paths(), options};
+}
+
 tracking::Options tracking_options(const Project& project) {
   tracking::Options options;
   options.frequencies = project.track.frequency;

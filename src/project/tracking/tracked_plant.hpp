@@ -10,6 +10,9 @@ namespace bodesmith::project {
 /// The project's stage: amplifier in the drive path, damping compensator and resonance behind the disturbance.
 tracking::Plant tracking_plant(const Project& project);
 
+/// The same for a drive, at the largest tracked amplitude.
+tracking::PolynomialStage own_stage(const Project& project);
+
 /// What is tracked: all frequencies, the first waveform at the largest amplitude.
 tracking::Options tracking_options(const Project& project);
 

@@ -37,14 +37,6 @@ void append(const tracking::TrackingError& error, TrackedDesign& to) {
   to.lag_s.push_back(error.lag_s);
 }
 
-/// The project's own stage at its largest amplitude.
-tracking::PolynomialStage own_stage(const Project& project) {
-  const tracking::Plant plant = tracking_plant(project);
-  tracking::PolynomialStage::Options options;
-  options.alpha = project.track.amplitude();
-  return {plant.disturbance, plant.paths(), options};
-}
-
 /// One controller on one stage along one reference, all frequencies.
 TrackedDesign controller_on(const ControllerDrives& controller, const Stage& stage, Reference::Shape shape,
                             double amplitude, const std::vector<Hertz>& frequencies) {

@@ -18,10 +18,6 @@ constexpr int kPoints = 2000;
 /// The least stroke lies so far below the table's that no resistor of its divider raises it above.
 constexpr double kBelow = 0.98;
 
-double slope_of(const std::array<double, 3>& a, double x) {
-  return a[0] + x * (2.0 * a[1] + x * 3.0 * a[2]);
-}
-
 }  // namespace
 
 std::string branch_name(int b) {
@@ -116,13 +112,12 @@ void Builder::check_polynomials() {
   LoopFigures& loop = out_.loop;
   loop.least_slope = 1.0;
   for (const int b : {0, 1}) {
-    const std::array<double, 3>& a = disturbance_.coefficients(kBranches[b]);
     for (const double alpha : strokes()) {
       for (const bool greatest : {false, true}) {
         const double k = gain_limit(b, greatest) * out_.amplitude_gain(kBranches[b], alpha) / alpha;
         double w = 0.0, r = 0.0;
         for (int i = 0; i < 64 * kPoints && r < 1.0; ++i) {
-          const double gain = k * slope_of(a, w);
+          const double gain = k * disturbance_.slope(kBranches[b], w);
           if (!(std::abs(gain) < 1.0)) {
             throw DesignError(fmt::format(
                 "|K d'| of the {} branch is {} at v = {}{}, expected below 1: v = r - K d(v) cannot converge",

@@ -299,6 +299,13 @@ TEST(MainExample, TracksBestAndSaysSoFirst) {
   }
   EXPECT_TRUE(fs::is_regular_file(out / "controller/controller.sub"));
   EXPECT_TRUE(fs::is_regular_file(out / "tracking_stages.csv"));
+  // The board in its loop: charge conservation harmonic by harmonic, and ngspice with every switch and image.
+  const Node board = run.at("tracking").at("engines")[2];
+  EXPECT_THAT(board.at("what").string(), HasSubstr("FPAA with holds"));
+  if (ngspice) {
+    EXPECT_NEAR(board.at("ngspice_percent").number(), board.at("closed_form_percent").number(), 0.01);
+    EXPECT_LT(board.at("agreement_percent").number(), 0.01);
+  }
 }
 
 TEST(Run, BadProjectsAreOneLineAndLeaveNothing) {

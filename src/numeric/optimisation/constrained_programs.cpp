@@ -25,6 +25,9 @@ constexpr double kHolds = 1e-10;
 constexpr double kSmallestPivot = 1e-10;
 /// Exchanges a number that is looked for; ten are many.
 constexpr int kExchanges = 40;
+/// Rows that a look at all of them may add to those that are watched, for each number that is looked for: a vertex has one
+/// row each.
+constexpr std::size_t kAdded = 2;
 
 /// y += A x, columns of `rows` (a multiple of four) numbers each.
 BODESMITH_CLONES void add_product(const double* a, std::size_t rows, std::size_t columns, const double* x,
@@ -62,9 +65,10 @@ class Exchange {
       : p_(program),
         n_(program.slope.cols()),
         rows_(std_index(program.slope.rows())),
-        padded_((rows_ + 3) / 4 * 4),
+        padded_(in_fours(rows_)),
         slope_(padded_ * std_index(n_), 0.0),
         error_(padded_, 0.0),
+        is_watched_(rows_, false),
         x_(n_ + 1),
         inverse_(MatrixXd::Zero(n_ + 1, n_ + 1)),
         multiplier_(n_ + 1),
@@ -74,14 +78,18 @@ class Exchange {
       std::copy_n(p_.slope.col(j).data(), rows_, slope_.data() + padded_ * std_index(j));
     std::copy_n(p_.error.data(), rows_, error_.data());
     scale_ = std::abs(error_[largest_of(error_.data(), padded_)]);
+    holds_ = kHolds * std::max(scale_, std::numeric_limits<double>::min());
     begin();
   }
 
   LevelResult run() {
     const int most = kExchanges * (static_cast<int>(n_) + 1);
     for (int i = 0; i < most; ++i) {
-      const Inequality worst = most_violated();
-      if (!(worst.by > kHolds * std::max(scale_, std::numeric_limits<double>::min()))) return result();
+      Inequality worst = most_violated();
+      if (!(worst.by > holds_)) {
+        if (!watch_more()) return result();
+        worst = most_violated();
+      }
       if (!exchange(worst)) break;
     }
     return {};
@@ -114,13 +122,58 @@ class Exchange {
       level += rise * x_(j);
     }
     x_(n_) = level;
-    add_product(slope_.data(), padded_, std_index(n_), x_.data(), error_.data());
+    watch_more();
   }
 
+  static std::size_t in_fours(std::size_t count) { return (count + 3) / 4 * 4; }
+
+  /// All rows anew. Of every stretch of one sign the row that sticks out most is watched from now on, the worst of them where
+  /// there are many. False where none sticks out that is not watched.
+  bool watch_more() {
+    std::copy_n(p_.error.data(), rows_, error_.data());
+    add_product(slope_.data(), padded_, std_index(n_), x_.data(), error_.data());
+    std::vector<std::size_t> peaks;
+    for (std::size_t i = 0; i < rows_;) {
+      std::size_t peak = i;
+      const bool below = error_[i] < 0.0;
+      for (; i < rows_ && (error_[i] < 0.0) == below; ++i) {
+        if (std::abs(error_[i]) > std::abs(error_[peak])) peak = i;
+      }
+      if (!is_watched_[peak] && std::abs(error_[peak]) - x_(n_) > holds_) peaks.push_back(peak);
+    }
+    if (peaks.empty()) return false;
+    const std::size_t most = kAdded * std_index(n_ + 1);
+    if (peaks.size() > most) {
+      std::nth_element(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(most), peaks.end(),
+                       [&](std::size_t a, std::size_t b) {
+                         const double x = std::abs(error_[a]), y = std::abs(error_[b]);
+                         return x > y || (x == y && a < b);
+                       });
+      peaks.resize(most);
+      std::sort(peaks.begin(), peaks.end());
+    }
+    for (const std::size_t row : peaks) is_watched_[row] = true;
+    watched_.insert(watched_.end(), peaks.begin(), peaks.end());
+    const std::size_t count = in_fours(watched_.size());
+    watched_slope_.assign(count * std_index(n_), 0.0);
+    watched_error_.assign(count, 0.0);
+    for (std::size_t k = 0; k < watched_.size(); ++k) {
+      watched_error_[k] = error_[watched_[k]];
+      for (std::size_t j = 0; j < std_index(n_); ++j)
+        watched_slope_[j * count + k] = slope_[j * padded_ + watched_[k]];
+    }
+    return true;
+  }
+
+  /// Of what is watched.
   Inequality most_violated() {
-    const std::size_t peak = largest_of(error_.data(), padded_);
-    Inequality out{Kind::row, error_[peak] < 0.0 ? -1.0 : 1.0, eigen_index(peak),
-                   std::abs(error_[peak]) - x_(n_)};
+    Inequality out{.by = -std::numeric_limits<double>::infinity()};
+    if (!watched_.empty()) {
+      const std::size_t peak = largest_of(watched_error_.data(), watched_error_.size());
+      const double error = watched_error_[peak];
+      out = {Kind::row, error < 0.0 ? -1.0 : 1.0, eigen_index(watched_[std::min(peak, watched_.size() - 1)]),
+             std::abs(error) - x_(n_)};
+    }
     // The numbers count about as much as the level: both are in units of what is looked for.
     for (Index j = 0; j < n_; ++j) {
       if (x_(j) - p_.upper(j) > out.by) out = {Kind::bound, 1.0, j, x_(j) - p_.upper(j)};
@@ -174,7 +227,8 @@ class Exchange {
     multiplier_(out) = least;
     weight_ = -in.by * inverse_.col(out);
     x_ += weight_;
-    add_product(slope_.data(), padded_, std_index(n_), weight_.data(), error_.data());
+    add_product(watched_slope_.data(), watched_error_.size(), std_index(n_), weight_.data(),
+                watched_error_.data());
     return true;
   }
 
@@ -190,10 +244,14 @@ class Exchange {
   Index n_;
   std::size_t rows_, padded_;
   std::vector<double> slope_;
-  std::vector<double> error_;  ///< at x
+  std::vector<double> error_;  ///< where all rows were looked at last
+  std::vector<std::size_t> watched_;
+  std::vector<bool> is_watched_;
+  std::vector<double> watched_slope_, watched_error_;  ///< of these, the errors at x
   double scale_ = 0.0;
-  VectorXd x_;        ///< and the level
-  MatrixXd inverse_;  ///< of the vertex's rows
+  double holds_ = 0.0;  ///< what sticks out less is kept
+  VectorXd x_;          ///< and the level
+  MatrixXd inverse_;    ///< of the vertex's rows
   VectorXd multiplier_;
   VectorXd entering_, weight_, over_;
 };

@@ -24,7 +24,7 @@ struct LevelResult {
 
 /// The dual simplex method: a vertex of as many rows and bounds as there are unknowns, from which the row that is violated most
 /// takes the place of one of them until none is (Stiefel's exchange, Numer. Math. 1 (1959) 1, with bounds). For few unknowns
-/// (tens) and many rows: an exchange costs one product with the slopes.
+/// (tens) and many rows: an exchange looks at those rows only that have stuck out once, and at all where none of them does.
 LevelResult solve_least_level(const LevelProgram& program);
 
 /// min 1/2 x'Qx + c'x subject to A x <= b, Q symmetric positive semidefinite (0: a linear program).

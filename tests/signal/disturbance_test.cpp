@@ -38,6 +38,24 @@ TEST(Disturbance, RateGainsAreLinearInLogFrequencyAndHeldAtTheEnds) {
   EXPECT_FALSE(d.is_static(Branch::descending));
 }
 
+/// x' = x/s and d' = d/s of the same stage that goes no further than s: the paper's V.C.2.
+TEST(Disturbance, UnderALoadItIsTheSameStageInUnitsOfItsNewStroke) {
+  Disturbance d = seed();
+  d.amplitude.alpha = {0.2, 0.4, 0.6, 1.0};
+  d.amplitude.ascending = {0.12, 0.3, 0.55, 1.0};
+  d.amplitude.descending = {0.1, 0.33, 0.52, 0.97};
+  for (const double stroke : {0.8, 0.5}) {
+    const Disturbance loaded = d.at_load(stroke);
+    for (const double alpha : {0.2, 0.4, stroke}) {
+      for (const Branch branch : kBranches) {
+        for (const double x : {0.1, 0.35, 0.9})
+          EXPECT_NEAR(loaded.at(alpha / stroke).value(branch, x * alpha / stroke),
+                      d.at(alpha).value(branch, x * alpha) / stroke, 1e-14);
+      }
+    }
+  }
+}
+
 TEST(Disturbance, ReadsBackWhatItWrites) {
   Json json = {{"schema", "bodesmith.disturbance/1"}};
   json.update(seed().to_json());

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "base/error.hpp"
@@ -27,6 +29,22 @@ TEST(TimeRecord, TheInputsExtentIsThatOfWhatIsNotSkipped) {
   EXPECT_EQ(seen.upper, 6.0);
   EXPECT_EQ(seen.max_rate_per_s, 10.0);
   EXPECT_EQ(input_extent(records).max_rate_per_s, 18.0);
+}
+
+TEST(TimeRecord, TheInputsBandIsThatOfItsChanges) {
+  TimeRecord record{"r", 0.0, 1e-3, {}, {}};
+  for (int i = 0; i < 2000; ++i)
+    record.u.push_back(std::sin(2.0 * std::numbers::pi * 5.0e-3 * i) +
+                       0.5 * std::sin(2.0 * std::numbers::pi * 40.0e-3 * i));
+  const auto band = [&](double offset) {
+    TimeRecord moved = record;
+    for (double& u : moved.u) u += offset;
+    return input_extent(std::vector{moved});
+  };
+  EXPECT_NEAR(band(0.0).from_hz, 5.0, 1.0);
+  EXPECT_NEAR(band(0.0).to_hz, 40.0, 1.0);
+  EXPECT_EQ(band(30.0).from_hz, band(0.0).from_hz);
+  EXPECT_EQ(band(30.0).to_hz, band(0.0).to_hz);
 }
 
 }  // namespace

@@ -31,6 +31,9 @@ TEST(SignalStudy, TriangleHasItsClosedForm) {
   EXPECT_NEAR(*study.y_distortion_percent, 100.0 * std::sqrt(std::pow(std::numbers::pi, 4) / 96.0 - 1.0),
               1e-3);
   EXPECT_EQ(study.loops.size(), 10u);
+  const std::string table = loops_csv(study, "u");
+  EXPECT_EQ(table.substr(table.find('\n') + 1, 2), "1,") << table.substr(0, 80);
+  EXPECT_NE(table.find("\n10,"), std::string::npos);
   EXPECT_NEAR(study.loops.front().height_percent, 0.0, 1e-9);
 }
 

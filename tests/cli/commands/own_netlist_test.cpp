@@ -53,7 +53,9 @@ TEST(OwnNetlist, ItsYieldIsThatOfTheCircuitThatItIs) {
   const TemporaryFolder folder;
   const std::string at = folder.path().string();
   ASSERT_EQ(
-      run_bodesmith("design lowpass --family butterworth --order 3 --corner-hz 1e3 -o " + at + "/s.json").status, 0);
+      run_bodesmith("design lowpass --family butterworth --order 3 --corner-hz 1e3 -o " + at + "/s.json")
+          .status,
+      0);
   ASSERT_EQ(run_bodesmith("spice " + at + "/s.json --opamp ideal --series exact -o " + at + "/spice").status,
             0);
   const auto yield = [&](const std::string& file) {
@@ -61,6 +63,7 @@ TEST(OwnNetlist, ItsYieldIsThatOfTheCircuitThatItIs) {
         run_bodesmith("yield " + at + "/spice/" + file +
                       " --samples 2000 --from-hz 10 --to-hz 1e4 --count 12 -o " + at + "/y.json");
     EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(run.out.find("3 poles, ") != std::string::npos, file == "circuit.json") << run.out;
     const Node design = parse_json(read_file(folder / "y.json"), "y.json").at("designs")[0];
     return std::vector<double>{design.at("worst_db").at("p95").number(),
                                design.at("worst_deg").at("p95").number(),

@@ -23,7 +23,10 @@ TEST(WaveformFit, ReachesTheBestKnownErrors) {
     EXPECT_LT(worst.error.worst_percent, 1.02 * known.worst) << known.order;
     for (const WaveformFit* fit : {&rms, &worst}) {
       EXPECT_EQ(fit->sections.pole_count(), known.order);
-      for (const Section& section : fit->sections.sections) EXPECT_TRUE(section.is_stable());
+      for (const Section& section : fit->sections.sections) {
+        EXPECT_TRUE(section.is_stable());
+        for (const auto& pole : section.poles) EXPECT_EQ(pole.imag(), 0.0);
+      }
       EXPECT_NEAR(fit->magnitude_only.points.back().rms_percent, 1.40, 0.01);
       EXPECT_NEAR(fit->none.points.back().rms_percent, 0.847, 0.001);
       EXPECT_LT(fit->lower_bound_percent, fit->value_percent(fit == &worst));

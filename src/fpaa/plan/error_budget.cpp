@@ -116,12 +116,11 @@ void add_holds(const Plan& plan, const SwitchedBoard& board, const Sections& sec
   }
 }
 
-/// The plan for `kDrawnBoards` boards with other capacitors: over the band and beside sharp roots, where an error is relative to |H|.
+/// The plan for `kDrawnBoards` boards with other capacitors: over the band and beside sharp roots.
 DrawnBoard drawn_board(const SwitchedBoard& switched, const Sections& sections, Band band) {
   std::vector<Hertz> grid = log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDrawnBoards));
   const std::vector<Hertz> sharp = about_sharp_roots(sections, band);
   grid.insert(grid.end(), sharp.begin(), sharp.end());
-  std::erase_if(grid, [&](Hertz f) { return beside_a_zero(sections, f.rad_s()); });
   return {switched, std::move(grid)};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
@@ -237,8 +238,51 @@ Plan best_of(std::vector<FoundPlan> found, const Board& board) {
   return out;
 }
 
+/// How far the mismatch of the capacitors that place a complex root puts 95 % of boards off at the least. A root at w of damping z is
+/// where 2 sin(w/2fc) = sqrt(C C3/(Cf CA)) (FilterStage; C: C1 of a zero, C2 of a pole, Cf: Cpp or CB), off by 1.96 sigma/z there,
+///   sigma = tan(w/2fc)/(w/fc) sqrt(sum of the four capacitors' squares),
+/// least with both above alike, both below alike, and one pair full (two banks each, below, where they place a pole).
+struct SharpRoot {
+  double percent = 0.0;
+  bool is_zero = false;
+  Hertz at, clock;
+};
+
+/// The one that costs most, each at the best of the plan's clocks.
+SharpRoot costliest_root(const Plan& plan, const Sections& sections, Band band,
+                         const MismatchModel& mismatch) {
+  constexpr double kOf95Percent = 1.96;
+  const double most = board_by_name(plan.board).max_capacitor;
+  SharpRoot out;
+  const auto add = [&](const std::complex<double>& root, bool is_zero) {
+    const RadPerSecond w{std::abs(root)};
+    if (root.imag() <= 0.0 || w.hz() < band.from || w.hz() > band.to) return;
+    const double damping = std::max(std::abs(root.real()) / w.value, is_zero ? kLeastZeroDamping : 0.0);
+    SharpRoot best{INFINITY, is_zero, w.hz(), {}};
+    for (const PlacedCam* cam : plan.cams()) {
+      const double angle = w.value / cam->clock_a.value;
+      const double ratio = 2.0 * std::sin(0.5 * angle);
+      if (!(angle < std::numbers::pi)) continue;
+      const double below = std::min((is_zero ? 1.0 : 2.0) * most, most / ratio);
+      const double four = std::numbers::sqrt2 *
+                          std::hypot(mismatch.relative_sigma(below), mismatch.relative_sigma(ratio * below));
+      const double percent = 100.0 * kOf95Percent * std::tan(0.5 * angle) / angle * four / damping;
+      if (percent < best.percent) {
+        best.percent = percent;
+        best.clock = cam->clock_a;
+      }
+    }
+    if (std::isfinite(best.percent) && best.percent > out.percent) out = best;
+  };
+  for (const Section& section : sections.sections) {
+    for (const auto& zero : section.zeros) add(zero, true);
+    for (const auto& pole : section.poles) add(pole, false);
+  }
+  return out;
+}
+
 /// What cannot all be had, and which part of it stands in the way; the curve goes where all is.
-void state_trade_off(Plan& plan, const Board& board) {
+void state_trade_off(Plan& plan, const Board& board, const SharpRoot& root) {
   const PlanTotal& total = *plan.total;
   const double wanted_v = score_of(plan, board).wanted_input(board.full_scale_v) * board.full_scale_v;
   std::vector<std::string> missed;
@@ -263,6 +307,12 @@ void state_trade_off(Plan& plan, const Board& board) {
       "Not all that is wanted was found together: {}. The design is the knee of error against "
       "input, of {} that no other one beats in error by design, error of 95 % of boards and input.",
       join(missed, "; "), plan.trade_off.size()));
+  if (root.percent > 100.0 * kWantedP95)
+    plan.notes.push_back(fmt::format(
+        "The {} at {} alone puts 95 % of boards {} % off: at the least, with the four capacitors that place it as large "
+        "as they can be (clock {}). No search takes this back, a trim of the built board does.",
+        root.is_zero ? "zero" : "pole", engineering_text(root.at.value, "Hz", 4),
+        rounded_text(root.percent, 2), engineering_text(root.clock.value, "Hz", 4)));
 }
 
 }  // namespace
@@ -333,7 +383,7 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
                                plan.topology, opamps_of(plan),
                                least_change(sections, options, band, board, usable))};
   }
-  state_trade_off(plan, board);
+  state_trade_off(plan, board, costliest_root(plan, sections, band, options.assumptions.mismatch));
   return plan;
 }
 

@@ -188,7 +188,7 @@ double drawn_p95(const std::vector<Complex>& errors, const CapacitorEffects& eff
   constexpr std::size_t kDrawnAt = 50;  // of the grid, evenly
   std::vector<std::size_t> at;
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    if (target.weight[k] >= 1.0 && target.beside_zero[k] == 0) at.push_back(k);
+    if (target.weight[k] >= 1.0) at.push_back(k);
   }
   const std::size_t every = at.size() / kDrawnAt + 1;
   std::vector<double> worst;
@@ -250,7 +250,7 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
   for (std::size_t k = 0; k < errors.size(); ++k) {
     if (target.weight[k] < 1.0) continue;
     const double designed = std::abs(errors[k]);
-    const double p95 = target.beside_zero[k] != 0 ? designed : error_of_95_percent(errors[k], sigma[k]);
+    const double p95 = error_of_95_percent(errors[k], sigma[k]);
     if (!(designed <= out.designed)) out.designed = designed;
     if (!(p95 <= out.p95)) out.p95 = p95;
   }

@@ -60,7 +60,6 @@ struct DesignTarget {
   std::vector<std::complex<double>> wanted;
   std::vector<double> weight;      ///< of |got - wanted|/reference; 1 within the band
   std::vector<double> reciprocal;  ///< 1/reference (error_reference.hpp)
-  std::vector<char> beside_zero;   ///< where mismatch says nothing relative to the response
   /// Sines spread evenly over the band's decades, whose images count, and 1/reference of each.
   std::vector<RadPerSecond> sines;
   std::vector<double> sine_reciprocal;

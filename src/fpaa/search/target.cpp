@@ -23,7 +23,6 @@ void add_point(DesignTarget& target, const Sections& sections, Hertz f, double w
   target.grid.push_back(f.rad_s());
   target.wanted.push_back(sections.response(f.rad_s()));
   target.weight.push_back(weight);
-  target.beside_zero.push_back(beside_a_zero(sections, f.rad_s()) ? 1 : 0);
   target.reciprocal.push_back(1.0 / std::max(error_reference(sections, f.rad_s()), soft));
 }
 

@@ -50,6 +50,25 @@ void Builder::stroke_hold() {
   const double farad = options_.capacitors.nearest(
       std::clamp(std::sqrt(contact.off_siemens / (4.0 * options_.lowest.value * fastest * contact.on_ohm)),
                  1e-9, 100e-9));
+  // A held peak leaks to its driver, half a stroke below it on average: one capacitor half a period, then the other.
+  out_.stroke->droop = contact.off_siemens / (2.0 * options_.lowest.value * farad);
+  out_.stroke->charge_v = contact.charge_c / farad;
+  // v = r - K g(alpha) d(v/alpha) for an alpha that is too small.
+  constexpr double kLess = 1.0 - 1e-3;
+  for (const int b : {0, 1}) {
+    for (const double alpha : strokes()) {
+      const auto subtracted = [&](double held, double w) {
+        return gain_limit(b, true) * disturbance_.amplitude.at(kBranches[b], held) *
+               disturbance_.value(kBranches[b], w * alpha / held);
+      };
+      for (double w = 0.0; w <= 1.0; w += 0.01) {
+        const double slope = (subtracted(alpha, w) - subtracted(kLess * alpha, w)) / (1.0 - kLess);
+        const double off = out_.stroke->droop + 2.0 * out_.stroke->charge_v / alpha;
+        out_.stroke->hold_error_percent =
+            std::max(out_.stroke->hold_error_percent, 100.0 * std::abs(slope) * off);
+      }
+    }
+  }
   out_.stroke->follow.push_back(opamp("stroke, drives the first hold", "r", "rb", "rb"));
   out_.contacts.push_back({"Sp1", group, "rb", "h1", "up", 0});
   capacitor("Cp1", "stroke, peak of this rise", "h1", "0", farad);

@@ -100,6 +100,9 @@ struct AnalogController : schematic::Netlist {
   struct Stroke {
     double least = 0.0;
     double argument_scale = 1.0;  ///< V at the generator's argument for v = alpha, by the parts
+    /// Of the holds: a period's droop at the slowest reference, as a share of the stroke; what an opening contact leaves on one, V;
+    /// the drive's error by both, percent of range.
+    double droop = 0.0, charge_v = 0.0, hold_error_percent = 0.0;
     /// Op-amps and parts: what follows r to al, and from al to an.
     std::vector<int> follow;
     int invert_opamp = -1, invert_input = -1, invert_feedback = -1;

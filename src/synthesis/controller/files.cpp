@@ -80,7 +80,12 @@ Json to_json(const AnalogController& controller) {
                  {"least_slope", controller.loop.least_slope},
                  {"greatest_drive_v", controller.loop.greatest_drive}};
   if (controller.curve) out["rate_curve"] = curve_json(controller);
-  if (controller.stroke) out["least_stroke"] = controller.stroke->least;
+  if (controller.stroke) {
+    out["least_stroke"] = controller.stroke->least;
+    out["stroke_hold"] = {{"droop_percent", 100.0 * controller.stroke->droop},
+                          {"charge_v", controller.stroke->charge_v},
+                          {"error_percent", controller.stroke->hold_error_percent}};
+  }
   out["max_error_percent"] = controller.max_error_percent;
   out["parts"] = parts_json(controller);
   out["opamps"] = Json::array();

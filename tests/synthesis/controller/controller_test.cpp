@@ -240,6 +240,20 @@ TEST(Controller, AnotherStrokeCountsFromItsFirstPeakOn) {
   EXPECT_NEAR(stroke_at(3.2), 1.0, 2e-3);
 }
 
+TEST(Controller, HoldsDroopInNgspiceAsTheControllerSays) {
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
+  const AnalogController built = make_controller(with_strokes());
+  const std::string deck = "controller\n" + controller_library(built, "controller") +
+                           reference_sources(tracking::Reference(), Hertz{1.0}, 2) + "Xc r v controller\n";
+  const ngspice::Transient run =
+      ngspice::run_transient(deck, {"xc.h1", "xc.h2"}, 1e-3, 1.49, "controller.sub");
+  // The peak of 1 V at half a second, which h1 leaves late, holds until a second, and h2 until 1.5: two openings, a period's leak.
+  const double late = 2.0 * switch_delay_s(built, tracking::Reference(), Hertz{1.0});
+  EXPECT_NEAR(run.v[1].back(), 1.0 - late - built.stroke->droop - 2.0 * built.stroke->charge_v, 2e-5);
+  EXPECT_GT(built.stroke->droop, 4.0 * built.stroke->charge_v);
+  EXPECT_LT(built.stroke->hold_error_percent, 100.0 * built.stroke->droop);
+}
+
 TEST(Controller, GainsOverTheStrokeAreTheTablesAtRest) {
   const AnalogController built = make_controller(with_strokes());
   EXPECT_LT(built.max_error_percent, 0.05);

@@ -1,5 +1,6 @@
 #include "report/plot.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,6 +32,29 @@ TEST(Plot, NothingNotFiniteReachesThePicture) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   EXPECT_EQ(svg.find("inf"), std::string::npos);
   EXPECT_NE(svg.find("&lt;&amp;&gt;"), std::string::npos);
+}
+
+TEST(Plot, EveryNameInTheLegendStandsInThePictureAndUnderThePlot) {
+  Plot plot;
+  for (int i = 0; i < 12; ++i)
+    plot.series.push_back({fmt::format("a name as long as this one, {}", i), {0.0, 1.0}, {0.0, 1.0}});
+  const std::string svg = to_svg(plot);
+  std::smatch size;
+  ASSERT_TRUE(std::regex_search(svg, size, std::regex("width=\"(\\d+)\" height=\"(\\d+)\"")));
+  const std::regex name("<text x=\"([0-9.]+)\" y=\"([0-9.]+)\"[^>]*>a name as long");
+  int names = 0, rows = 0;
+  double last = 0.0;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), name), end; at != end; ++at, ++names) {
+    EXPECT_LT(std::stod((*at)[1]), std::stod(size[1]) - 6.0 * 29.0);
+    const double y = std::stod((*at)[2]);
+    EXPECT_GT(y, plot.height);
+    EXPECT_LT(y, std::stod(size[2]));
+    rows += y > last;
+    EXPECT_GE(y, last);
+    last = y;
+  }
+  EXPECT_EQ(names, 12);
+  EXPECT_GT(rows, 2);
 }
 
 TEST(Plot, ALongRecordIsThinnedToWhatCanBeSeen) {

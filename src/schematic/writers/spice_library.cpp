@@ -278,11 +278,13 @@ const Subcircuit& SpiceLibrary::subcircuit(const std::string& name) const {
   return *at;
 }
 
-Netlist SpiceLibrary::flat(const std::string& name) const {
+Netlist SpiceLibrary::flat(const std::string& name, std::size_t depth) const {
   Netlist out = subcircuit(name).netlist;
+  if (depth > subcircuits.size())
+    throw InputError(fmt::format("{}: {} holds itself, without end", title, name));
   for (const Instance& instance : std::exchange(out.instances, {})) {
     const Subcircuit& of = subcircuit(instance.of);
-    Netlist inner = flat(instance.of);
+    Netlist inner = flat(instance.of, depth + 1);
     if (of.pins.size() != instance.nodes.size() || !inner.multipliers.empty() || !inner.contacts.empty() ||
         !inner.sources.empty() || !inner.comparators.empty() || !inner.gates.empty())
       throw InputError(fmt::format(
@@ -302,6 +304,8 @@ Netlist SpiceLibrary::flat(const std::string& name) const {
     out.parts.insert(out.parts.end(), inner.parts.begin(), inner.parts.end());
     out.opamps.insert(out.opamps.end(), inner.opamps.begin(), inner.opamps.end());
     out.groups.insert(out.groups.end(), inner.groups.begin(), inner.groups.end());
+    if (out.parts.size() + out.opamps.size() > kMostParts)
+      throw InputError(fmt::format("{}: {} has more than {} parts", title, name, kMostParts));
   }
   return out;
 }
@@ -312,12 +316,15 @@ Netlist SpiceLibrary::two_port(const std::string& name) const {
     throw InputError(
         fmt::format("{}: {} has {} pins, expected its input and its output", title, name, pins.size()));
   Netlist out = flat(name);
+  bool ends = false;
   for_each_element(out, [&](auto& one) {
     for (std::string* node : Nodes()(one)) {
       const bool taken = *node == "in" || *node == "out";
+      ends = ends || *node == pins[1];
       *node = *node == pins[0] ? "in" : *node == pins[1] ? "out" : taken ? *node + "_" : *node;
     }
   });
+  if (!ends) throw InputError(fmt::format("{}: {} has nothing at its output, node {}", title, name, pins[1]));
   return out;
 }
 

@@ -42,10 +42,18 @@ struct SpiceLibrary {
   /// InputError when there is none.
   const Subcircuit& subcircuit(const std::string& name) const;
   /// A subcircuit of resistors, capacitors and op-amps with what its instances hold in their places: a group each, the inner
-  /// node k of instance 2 is s2_k. InputError for other elements in them.
-  Netlist flat(const std::string& name) const;
-  /// The same from node "in" to node "out": its first and its second pin. InputError where it has more or fewer.
+  /// node k of instance 2 is s2_k. InputError for other elements in them, for one that holds itself, and for more than
+  /// kMostParts.
+  Netlist flat(const std::string& name) const { return flat(name, 0); }
+  /// The same from node "in" to node "out": its first and its second pin. InputError where it has more or fewer, or nothing at
+  /// its output.
   Netlist two_port(const std::string& name) const;
+
+  /// Far more than a board has: subcircuits in subcircuits grow by powers.
+  static constexpr std::size_t kMostParts = 10000;
+
+ private:
+  Netlist flat(const std::string& name, std::size_t depth) const;
 };
 
 struct SpiceOptions {

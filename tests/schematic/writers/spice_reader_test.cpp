@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -119,6 +120,14 @@ TEST(SpiceReader, WhatItDoesNotKnowIsOneLineWithItsPlace) {
   EXPECT_THAT(refusal(".subckt t in out gnd2\nR1 in out 1k\n.ends\n", "t.sub"), HasSubstr("t has 3 pins"));
   EXPECT_THAT(refusal(".subckt t in out\nR1 in out 1k\n", "t.sub"), HasSubstr("is not ended"));
   EXPECT_THAT(refusal("", "t.sub"), HasSubstr("has no subcircuit"));
+  EXPECT_THAT(refusal(".subckt t in out\nR1 in a 1k\n.ends\n", "t.sub"),
+              HasSubstr("t has nothing at its output, node out"));
+  EXPECT_THAT(refusal(".subckt t in out\nR1 in out 1k\nX1 in out t\n.ends\n", "t.sub"),
+              HasSubstr("t holds itself"));
+  std::string doubled = ".subckt t0 in out\nR1 in out 1k\n.ends\n";
+  for (int i = 1; i < 30; ++i)
+    doubled += fmt::format(".subckt t{0} in out\nX1 in out t{1}\nX2 in out t{1}\n.ends\n", i, i - 1);
+  EXPECT_THAT(refusal(doubled, "t.sub"), HasSubstr("has more than 10000 parts"));
 }
 
 }  // namespace

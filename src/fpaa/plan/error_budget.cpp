@@ -104,18 +104,6 @@ void add_settling(const Plan& plan, ErrorBudget& out) {
   }
 }
 
-/// What the switches make beyond the z-transfers, over the band.
-void add_holds(const Plan& plan, const SwitchedBoard& board, const Sections& sections, ErrorBudget& out) {
-  for (const Hertz f : log_grid(plan.error.band, affordable(kPoints, board.pieces()))) {
-    const RadPerSecond w = f.rad_s();
-    // Nothing is relative to a response of 0.
-    if (beside_a_zero(sections, w)) continue;
-    const Complex hold = board.gain(w) / board.sampled(w);
-    out.hold_percent = std::max(out.hold_percent, 100.0 * std::abs(hold - 1.0));
-    out.hold_phase_deg = std::max(out.hold_phase_deg, std::abs(to_degrees(std::arg(hold))));
-  }
-}
-
 /// The plan for `kDrawnBoards` boards with other capacitors: over the band and beside sharp roots.
 DrawnBoard drawn_board(const SwitchedBoard& switched, const Sections& sections, Band band) {
   std::vector<Hertz> grid = log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDrawnBoards));
@@ -175,7 +163,6 @@ ErrorBudget error_budget(const Plan& plan, const Sections& sections, const Board
   ErrorBudget out;
   const auto cams = plan.cams();
   const SwitchedBoard board(plan);
-  add_holds(plan, board, sections, out);
   out.assumptions = assumptions;
   out.opamp = opamp;
   out.capacitors = drawn_board(board, sections, plan.error.band).variance_shares(assumptions.mismatch);
@@ -192,8 +179,6 @@ ErrorBudget error_budget(const Plan& plan, const Sections& sections, const Board
 
 Json ErrorBudget::to_json() const {
   Json out;
-  out["hold_percent"] = hold_percent;
-  out["hold_phase_deg"] = hold_phase_deg;
   Json& mismatch = out["mismatch"] = assumptions.mismatch.to_json();
   mismatch["seed"] = assumptions.seed;
   mismatch["draws"] = kDrawnBoards;

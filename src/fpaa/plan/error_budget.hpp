@@ -12,12 +12,8 @@
 
 namespace bodesmith::fpaa {
 
-/// What departs from a plan's z-transfers, each cause by itself, over the plan's band.
+/// What departs from a plan as its switches make it, each cause by itself, over the plan's band.
 struct ErrorBudget {
-  /// What the switches make of it beyond the z-transfers: inputs that move within a phase, staircases.
-  double hold_percent = 0.0;
-  double hold_phase_deg = 0.0;
-
   /// Capacitors that matter most to what drawn boards do (plan_total), and the models that were assumed.
   std::vector<DrawnBoard::Share> capacitors;
   BoardAssumptions assumptions;

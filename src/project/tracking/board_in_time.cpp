@@ -140,9 +140,7 @@ fpaa::BoardRun BoardTracker::made(const ngspice::Transient& run) const {
     cams.push_back(std::move(cam));
   }
   const auto read = [&run, i = std::size_t{1}](double t, std::span<const double>) mutable {
-    while (i + 1 < run.time_s.size() && run.time_s[i] < t) ++i;
-    const double part = (t - run.time_s[i - 1]) / (run.time_s[i] - run.time_s[i - 1]);
-    return std::lerp(run.v[1][i - 1], run.v[1][i], std::clamp(part, 0.0, 1.0));
+    return run.at(1, t, i);
   };
   return {
       cams, {{"w", {}, read}, {"nothing", {}, [](double, std::span<const double>) { return 0.0; }}}, board_};
@@ -156,20 +154,15 @@ BoardInTime BoardTracker::track(const Window& window) const {
   std::size_t i = 1;
   for (std::size_t k = window.skipped; k < window.skipped + window.count; ++k) {
     const double t = (static_cast<double>(k) + 0.5) * window.step_s;  // beside turns, where the drive jumps
-    while (i + 1 < run.time_s.size() && run.time_s[i] < t) ++i;
-    const double part = std::clamp((t - run.time_s[i - 1]) / (run.time_s[i] - run.time_s[i - 1]), 0.0, 1.0);
-    const auto simulated = [&](std::size_t column) {
-      return std::lerp(run.v[column][i - 1], run.v[column][i], part);
-    };
     board.advance_to(t);
     const double theta = t / window.repeat_s;
     const bool rises = tracking::Reference::rises(window.reference.piece(theta - std::floor(theta)));
     const double made =
-        graph_.output->node ? board.value(graph_.nodes[*graph_.output->node].name) : simulated(1);
+        graph_.output->node ? board.value(graph_.nodes[*graph_.output->node].name) : run.at(1, t, i);
     const std::size_t place = k % window.count;
-    drive.v[place] = simulated(0);
+    drive.v[place] = run.at(0, t, i);
     by_charges[place] = drive.v[place];
-    if (branch_of(rises) == project_.target.branch) by_charges[place] += (simulated(2) - made) / volts_;
+    if (branch_of(rises) == project_.target.branch) by_charges[place] += (run.at(2, t, i) - made) / volts_;
   }
   const tracking::PolynomialStage stage = own_stage(project_);
   std::vector<double> reference;

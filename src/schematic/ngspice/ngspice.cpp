@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
@@ -161,6 +164,13 @@ DcSweep run_dc(const std::string& deck, const std::string& source, double from, 
       deck, fmt::format("dc {} {} {} {}", source, plain_number(from), plain_number(to), plain_number(step)),
       voltages(nodes), what);
   return {columns.first, columns.rest};
+}
+
+double Transient::at(std::size_t node, double t, std::size_t& place) const {
+  if (time_s[place - 1] > t) place = 1;
+  while (place + 1 < time_s.size() && time_s[place] < t) ++place;
+  const double before = time_s[place - 1], part = (t - before) / (time_s[place] - before);
+  return std::lerp(v[node][place - 1], v[node][place], std::clamp(part, 0.0, 1.0));
 }
 
 Transient run_transient(const std::string& deck, const std::vector<std::string>& nodes, double step_s,

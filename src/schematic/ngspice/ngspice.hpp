@@ -49,6 +49,8 @@ DcSweep run_dc(const std::string& deck, const std::string& source, double from, 
 struct Transient {
   std::vector<double> time_s;
   std::vector<std::vector<double>> v;  ///< one a node
+  /// Straight between ngspice's own instants. `place` (1 to begin with) moves on with t; an earlier t begins again.
+  double at(std::size_t node, double t, std::size_t& place) const;
 };
 /// Runs a deck without analysis and `.end` through `.tran step stop 0 step`, and reads back the nodes'
 /// voltages.

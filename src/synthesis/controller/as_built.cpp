@@ -36,14 +36,6 @@ std::string sine_source(const std::string& name, const std::string& from, const 
   return fmt::format("{} {} {} SIN({:.15g} {:.15g} {:.15g} 0 0 -90)\n", name, from, to, offset, top, f);
 }
 
-/// v[column] at time t between the simulator's own steps; `i` moves on, or begins again.
-double at_time(const ngspice::Transient& run, std::size_t column, double t, std::size_t& i) {
-  if (run.time_s[i - 1] > t) i = 1;
-  while (i + 1 < run.time_s.size() && run.time_s[i] < t) ++i;
-  const double part = std::clamp((t - run.time_s[i - 1]) / (run.time_s[i] - run.time_s[i - 1]), 0.0, 1.0);
-  return run.v[column][i - 1] + part * (run.v[column][i] - run.v[column][i - 1]);
-}
-
 ngspice::Transient run_as_tightly_as_it_goes(const std::string& deck, bool tight, double step_s,
                                              double stop_s) {
   const auto run = [&](const std::string& options) {
@@ -165,8 +157,7 @@ SteadyState run_in_ngspice(const AnalogController& controller, const Reference& 
     std::size_t i = 1;
     for (std::size_t k = 0; k < samples; ++k) {
       const double phase = static_cast<double>(k) / static_cast<double>(samples);
-      to.push_back(
-          at_time(run, column, std::ceil(from - phase) * repeat + static_cast<double>(k) * out.step_s, i));
+      to.push_back(run.at(column, std::ceil(from - phase) * repeat + static_cast<double>(k) * out.step_s, i));
     }
   };
   sample(0, settle, out.r);

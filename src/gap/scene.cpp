@@ -92,8 +92,30 @@ Scene scene_of(const Model& model, const TimeExperiment& experiment) {
   const auto& output = scene.boundary.back().values;
   scene.residual.resize(record.size());
   for (std::size_t i = 0; i < record.size(); ++i) scene.residual[i] = record.y[i] - output[i];
+  return scene;
+}
+
+/// The record of which most is left, and how far and how fast the signals go in all of them.
+Scene scene_of(const Model& model, const Experiments& train) {
+  std::vector<Scene> scenes;
+  std::size_t at = 0;
+  double most = -1.0;
+  for (const auto& e : train) {
+    const auto& experiment = std::get<TimeExperiment>(e);
+    scenes.push_back(scene_of(model, experiment));
+    const double left = rms(experiment.scored_part(scenes.back().residual));
+    if (!(left > most)) continue;
+    most = left;
+    at = scenes.size() - 1;
+  }
+  Scene scene = std::move(scenes[at]);
+  const auto& record = std::get<TimeExperiment>(train[at]).record();
   find_band(scene, record);
   scene.residual_peaks_hz = largest_peaks(periodogram(scene.residual, record.step_s));
+  for (std::size_t k = 0; k < scenes.size(); ++k) {
+    if (k == at) continue;
+    for (std::size_t i = 0; i < scene.boundary.size(); ++i) scene.boundary[i].add_range_of(scenes[k].boundary[i]);
+  }
   return scene;
 }
 
@@ -143,6 +165,13 @@ Scene scene_of(const Model& model, const FrequencyExperiment& experiment, const 
 
 double Signal::size() const {
   return std::max({std::abs(low), std::abs(high), 1e-300});
+}
+
+void Signal::add_range_of(const Signal& other) {
+  low = std::min(low, other.low);
+  high = std::max(high, other.high);
+  sorted_slopes.insert(sorted_slopes.end(), other.sorted_slopes.begin(), other.sorted_slopes.end());
+  std::sort(sorted_slopes.begin(), sorted_slopes.end());
 }
 
 double Signal::slope_quantile(double q) const {
@@ -212,9 +241,8 @@ std::vector<std::size_t> Scene::base_places() const {
 }
 
 Scene make_scene(const Model& model, const Experiments& train, std::function<bool()> late) {
-  auto scene = std::visit(Visitor{[&](const TimeExperiment& e) { return scene_of(model, e); },
-                                  [&](const FrequencyExperiment& e) { return scene_of(model, e, train); }},
-                          train.front());
+  const auto* response = std::get_if<FrequencyExperiment>(&train.front());
+  auto scene = response != nullptr ? scene_of(model, *response, train) : scene_of(model, train);
   scene.records = train.size();
   scene.late = std::move(late);
   return scene;

@@ -12,9 +12,10 @@
 
 namespace bodesmith::gap {
 
-/// What is known about a signal at a boundary between two blocks (the first record used for fitting).
+/// What is known about a signal at a boundary between two blocks.
 struct Signal {
-  std::vector<double> values;
+  std::vector<double> values;  ///< in the record that is looked at
+  // In all records for fitting:
   double low = 0.0;
   double high = 0.0;
   std::vector<double> sorted_slopes;  ///< |change| per second, rising
@@ -22,12 +23,13 @@ struct Signal {
   double size() const;  ///< largest |value|
   double slope_quantile(double q) const;
   double value_quantile(double q) const;
+  void add_range_of(const Signal& other);
 };
 
 /// The present model and its residual, as an effect sees them when it proposes itself.
 struct Scene {
   const Model* model = nullptr;
-  std::size_t records = 1;      ///< for fitting; all but `frequency_only` below is of the first one
+  std::size_t records = 1;      ///< for fitting; what is below is of the one of which most is left, or of the first response
   bool frequency_only = false;  ///< the records are frequency responses: no signals, linear effects only
   double step_s = 0.0;
   double start_s = 0.0;
@@ -36,7 +38,7 @@ struct Scene {
   double band_hz = 0.0;                   ///< 95 % below this
   double top_hz = 0.0;                    ///< Nyquist, or the highest frequency of a response
   std::vector<Signal> boundary;           ///< in front of each block, the last one: the output
-  std::vector<double> residual;           ///< measured - model, whole first record
+  std::vector<double> residual;           ///< measured - model, whole record
   std::vector<double> residual_peaks_hz;  ///< strongest frequencies of the residual
   // Of a response, a point each: where it was measured, and what over the present model.
   std::vector<Hertz> frequency;
@@ -70,7 +72,7 @@ struct Scene {
   double measured(std::size_t sample) const { return boundary.back().values[sample] + residual[sample]; }
 };
 
-/// What the effects look at: the first training record under the present model. `late`: Scene::late.
+/// What the effects look at: the training record of which most is left under the present model. `late`: Scene::late.
 Scene make_scene(const Model& model, const Experiments& train, std::function<bool()> late = {});
 
 }  // namespace bodesmith::gap

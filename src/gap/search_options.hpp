@@ -45,8 +45,6 @@ struct RoundOptions {
   std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
   /// Forms and places of an effect that are fitted beyond Effect::places_a_round in responses, where a fit is quick.
   int more_forms_of_response = 2;
-  /// Share of the residual's energy that a candidate must promise: half of what it must take in the end.
-  double min_score = 0.03;
   double in_the_running = 2.0;  ///< times the best candidate's rms, within which evidence is asked for
   std::size_t successors = 5;   ///< effects that are fitted in the place of one
   int first_iterations = 3;     ///< that each start of a candidate gets before the best ones go on
@@ -64,11 +62,12 @@ struct RoundOptions {
 
 /// What takes less is of no use, however sure it is [4].
 struct BoundOptions {
-  /// Of the rms that is left without the name, what it explains: false terms were seen to explain .06 of it (0.16 % of
-  /// the rms).
-  double of_rest = 0.25;
-  /// The same of the gap that the base model leaves: less is the first name's form.
-  double of_gap = 0.1;
+  /// Of the rms, what a name explains: of the geometric mean of what is left without it and of the gap that the base model
+  /// leaves. Of the former alone false names would explain half of the little that a form leaves; of the latter alone a small
+  /// effect beside a large one would have no name.
+  double explained = 0.15;
+  /// Share of the residual's energy that a proposal must promise to be fitted: half of what it must take in the end.
+  double min_promise() const { return 0.5 * explained * explained; }
   /// Of one term; few when there is one excitation only.
   std::size_t max_unknowns = std::numeric_limits<std::size_t>::max();
 };

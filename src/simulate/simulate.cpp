@@ -85,8 +85,8 @@ Result run_automatic(const chain::Chain& chain, const TimeRecord& input, const O
 
 void expect_finite(const Result& result) {
   for (const double y : result.y) {
-    // Sums of squares of anything less are doubles, too.
-    if (!(std::abs(y) <= 1e150)) throw InputError("the model's output goes beyond 1e150 for this input");
+    if (!(std::abs(y) <= kLargestOutput))
+      throw RunsAway(fmt::format("the model's output goes beyond {} for this input", kLargestOutput));
   }
 }
 

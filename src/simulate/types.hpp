@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.hpp"
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
 
@@ -95,6 +96,15 @@ struct LoopResult {
   double model_error = 0.0;  ///< as in Result
   Stats stats;
   std::vector<std::string> notes;
+};
+
+/// An output beyond which a model is said to run away: sums of squares of less are doubles.
+inline constexpr double kLargestOutput = 1e150;
+
+/// The chain runs, and its output grows without bound for this input: a figure where models are compared, an error elsewhere.
+class RunsAway : public InputError {
+ public:
+  using InputError::InputError;
 };
 
 /// The input of a TimeRecord, or of samples that lie elsewhere; a view.

@@ -74,7 +74,6 @@ class Creep final : public Effect {
                 .what = "slow relaxation, logarithmic or of several time constants",
                 .experiment = "a long record after one step",
                 .linear = true,
-                .independent_of_input = true,
                 .places_a_round = 3}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double slow = scene.frequency_only ? 1.0 / scene.low_hz : 0.7 * scene.duration_s;

@@ -10,7 +10,6 @@ class Drift final : public Effect {
       : Effect({.name = "drift",
                 .what = "the output moves slowly and linearly with time",
                 .experiment = "a record at rest, without drive: drift goes on",
-                .independent_of_input = true,
                 .adds_one_signal = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double rate = scene.boundary.back().size() / scene.duration_s;

@@ -16,7 +16,7 @@ namespace {
 constexpr double kTolerance = 0.005;
 constexpr int kHarmonics = 7;
 /// Fewer cycles in the record, as sampled, are a drift or an offset to it.
-constexpr double kMinCycles = 3.0;
+constexpr double kMinCycles = 2.0;
 /// Frequencies that are looked at, in one of the record's resolution.
 constexpr std::size_t kFiner = 5;
 /// A line's power over the mean of those up to so many resolutions beside it: of noise, one frequency in e^10 reaches that.
@@ -95,7 +95,7 @@ class MainsHum final : public Effect {
       : Effect({.name = "mains_hum",
                 .what = "a sinusoid of the mains is added",
                 .experiment = "a record without drive: hum stays",
-                .independent_of_input = true,
+                .adds_one_signal = true,
                 .repeatable = true}) {}
   /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
   /// its alias), its size and phase each record's own.

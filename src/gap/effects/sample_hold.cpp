@@ -56,25 +56,24 @@ class SampleHold final : public Effect {
     const bool lags = lag_s > 0.0 && !scene.is_between_samples(lag_s);
     const bool images = images_stand_out(scene);
     if (!images && !lags) return;
-    std::array<Starts, 2> stairs;
-    if (images)
-      parallel_for(2, scene.threads,
-                   [&](std::size_t half) { stairs[half] = clocks_of_hold(scene, scene.end(), half == 1); });
+    // At the end linear dynamics behind the hold have not to be undone, and what is late in front of them is late there.
+    std::array<Starts, 2> at_end;
+    parallel_for(2, scene.threads, [&](std::size_t half) {
+      if (images) at_end[half] = clocks_of_hold(scene, scene.end(), half == 1);
+      if (!lags) return;
+      const double guess = std::clamp((half == 1 ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
+      const auto more = clocks_of_hold(scene, scene.end(), half == 1, guess);
+      at_end[half].insert(at_end[half].end(), more.begin(), more.end());
+    });
     const std::vector<std::size_t> places = scene.static_places();
     std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
     parallel_for(found.size(), scene.threads, [&](std::size_t i) {
       const std::size_t at = places[i / 2];
       const bool half = i % 2 == 1;
-      Starts& starts = found[i];
-      starts = stairs[half ? 1 : 0];
-      if (images && at < scene.model->size() && dynamics_follow(scene, at)) {
-        const auto more = clocks_of_hold(scene, at, half);
-        starts.insert(starts.begin(), more.begin(), more.end());
-      }
-      if (lags) {
-        const auto more = clocks_near_lag(scene, at, half, lag_s);
-        starts.insert(starts.end(), more.begin(), more.end());
-      }
+      found[i] = at_end[half ? 1 : 0];
+      if (!images || at == scene.model->size() || !dynamics_follow(scene, at)) return;
+      const auto more = clocks_of_hold(scene, at, half);
+      found[i].insert(found[i].begin(), more.begin(), more.end());
     });
     for (std::size_t place = 0; place < places.size(); ++place) {
       const std::size_t at = places[place];
@@ -88,11 +87,6 @@ class SampleHold final : public Effect {
         out.push_back(insert_block(scene, *this, at, hold_block(half, starts[0][0]), {clock}, starts));
       }
     }
-  }
-
-  Starts clocks_near_lag(const Scene& scene, std::size_t at, bool half, double lag_s) const {
-    const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
-    return clocks_of_hold(scene, at, half, guess);
   }
 };
 

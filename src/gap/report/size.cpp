@@ -5,7 +5,6 @@
 #include <limits>
 #include <tuple>
 
-#include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "gap/runner.hpp"
 #include "numeric/parallel_for.hpp"
@@ -52,7 +51,7 @@ std::vector<double> whole_residual(const Model& model, const TimeExperiment& exp
   try {
     const auto result = simulate::simulate(model.chain(), record, options);
     for (std::size_t i = 0; i < e.size(); ++i) e[i] = record.y[i] - result.y[i];
-  } catch (const InputError&) {
+  } catch (const simulate::RunsAway&) {
     if (model.terms().empty()) throw;
   }
   return e;

@@ -30,7 +30,7 @@ double explained(double before, double after) {
 double gap_to_explain(const SearchSetting& setting, const Model& without, double rms_without) {
   const auto& terms = without.terms();
   const bool no_form = std::all_of(terms.begin(), terms.end(), [](const Term& term) {
-    return term.effect->facts().adds_one_signal || term.effect->facts().independent_of_input;
+    return term.effect->facts().adds_one_signal;
   });
   return no_form ? rms_without : setting.first_gap;
 }
@@ -91,10 +91,8 @@ std::vector<Promising> seconds_beside(const SearchSetting& setting, const Search
 bool matters(const SearchSetting& setting, const SearchRecords& records, const Model& without,
              double rms_with) {
   const double before = rms_of(without, records.train);
-  const double takes = explained(before, rms_with);
-  const auto& bounds = setting.options.bounds;
-  return takes >= bounds.of_rest * before &&
-         takes >= bounds.of_gap * gap_to_explain(setting, without, before);
+  return explained(before, rms_with) >=
+         setting.options.bounds.explained * std::sqrt(before * gap_to_explain(setting, without, before));
 }
 
 bool all_matter(const SearchSetting& setting, const SearchRecords& records, const Model& model) {

@@ -164,7 +164,7 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   const auto& options = setting.options;
   FittedRound round;
   const bool responses = are_responses(records.train);
-  Choice choice(min_score.value_or(options.round.min_score),
+  Choice choice(min_score.value_or(options.bounds.min_promise()),
                 responses ? options.round.more_forms_of_response : 0);
   std::set<std::string_view> missed;
   auto promising = look_from(setting, records, model, filter, missed);

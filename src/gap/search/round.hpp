@@ -19,7 +19,7 @@ inline bool more_evident(const Ranked& a, const Ranked& b) {
 using EffectFilter = std::function<bool(const Effect&)>;
 
 /// One round: what every effect promises where the search stands, the best of it fitted in place, in no
-/// particular order and not yet judged. Empty when the search was stopped. `min_score`: instead of RoundOptions::min_score.
+/// particular order and not yet judged. Empty when the search was stopped. `min_score`: instead of BoundOptions::min_promise().
 struct FittedRound {
   std::vector<Ranked> ranking;
   std::vector<std::string> not_tried;  ///< effects that promised something when the time was over

@@ -33,7 +33,7 @@ Result run_holds(const chain::Chain& chain, const SampledInput& input, Start sta
   Result out;
   out.y = simulator.run_once(input.u);
   if (simulator.diverged()) {
-    throw InputError(
+    throw RunsAway(
         "the model's output grows without bound for this input, expected a stable model (check its spring "
         "and drag)");
   }

@@ -79,7 +79,6 @@ Scene scene_of(const Model& model, const TimeExperiment& experiment) {
   const auto& record = experiment.record();
   Scene scene;
   scene.model = &model;
-  scene.start_s = record.start_s;
   scene.step_s = record.step_s;
   scene.duration_s = record.duration_s();
   scene.top_hz = 0.5 / record.step_s;
@@ -114,7 +113,8 @@ Scene scene_of(const Model& model, const Experiments& train) {
   scene.residual_peaks_hz = largest_peaks(periodogram(scene.residual, record.step_s));
   for (std::size_t k = 0; k < scenes.size(); ++k) {
     if (k == at) continue;
-    for (std::size_t i = 0; i < scene.boundary.size(); ++i) scene.boundary[i].add_range_of(scenes[k].boundary[i]);
+    for (std::size_t i = 0; i < scene.boundary.size(); ++i)
+      scene.boundary[i].add_range_of(scenes[k].boundary[i]);
   }
   return scene;
 }
@@ -177,10 +177,6 @@ void Signal::add_range_of(const Signal& other) {
 double Signal::slope_quantile(double q) const {
   if (sorted_slopes.empty()) return 1.0;
   return sorted_slopes[static_cast<std::size_t>(q * static_cast<double>(sorted_slopes.size() - 1))];
-}
-
-double Signal::value_quantile(double q) const {
-  return quantile(values, q);
 }
 
 bool Scene::linear(std::size_t position) const {

@@ -22,17 +22,16 @@ struct Signal {
   double span() const { return high - low; }
   double size() const;  ///< largest |value|
   double slope_quantile(double q) const;
-  double value_quantile(double q) const;
   void add_range_of(const Signal& other);
 };
 
 /// The present model and its residual, as an effect sees them when it proposes itself.
 struct Scene {
   const Model* model = nullptr;
-  std::size_t records = 1;      ///< for fitting; what is below is of the one of which most is left, or of the first response
+  std::size_t records =
+      1;  ///< for fitting; what is below is of the one of which most is left, or of the first response
   bool frequency_only = false;  ///< the records are frequency responses: no signals, linear effects only
   double step_s = 0.0;
-  double start_s = 0.0;
   double duration_s = 0.0;
   double low_hz = 0.0;                    ///< where the input has its power: 5 % below,
   double band_hz = 0.0;                   ///< 95 % below this

@@ -405,7 +405,8 @@ LoopResult simulate_loop(const chain::Chain& plant, const std::vector<double>& f
   LoopResult out = run_loop(with_rational_delays(plant, notes), feedforward, controller, reference, options);
   out.notes = std::move(notes);
   for (const double y : out.y) {
-    if (!(std::abs(y) <= kLargestOutput)) throw RunsAway("the loop is unstable: its output grows without bound");
+    if (!(std::abs(y) <= kLargestOutput))
+      throw RunsAway("the loop is unstable: its output grows without bound");
   }
   return out;
 }

@@ -61,7 +61,8 @@ class SampleHold final : public Effect {
     parallel_for(2, scene.threads, [&](std::size_t half) {
       if (images) at_end[half] = clocks_of_hold(scene, scene.end(), half == 1);
       if (!lags) return;
-      const double guess = std::clamp((half == 1 ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
+      const double guess =
+          std::clamp((half == 1 ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
       const auto more = clocks_of_hold(scene, scene.end(), half == 1, guess);
       at_end[half].insert(at_end[half].end(), more.begin(), more.end());
     });

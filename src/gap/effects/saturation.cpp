@@ -2,6 +2,7 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -20,7 +21,7 @@ class Saturation final : public Effect {
       const double span = signal.span();
       if (!(span > 0.0)) continue;
       const double far = 1e3 * std::max(signal.size(), span);
-      const double middle = signal.value_quantile(0.5);
+      const double middle = quantile(signal.values, 0.5);
       Starts above;
       Starts below;
       Starts both;

@@ -29,9 +29,8 @@ double explained(double before, double after) {
 /// (offset, drift, hum).
 double gap_to_explain(const SearchSetting& setting, const Model& without, double rms_without) {
   const auto& terms = without.terms();
-  const bool no_form = std::all_of(terms.begin(), terms.end(), [](const Term& term) {
-    return term.effect->facts().adds_one_signal;
-  });
+  const bool no_form = std::all_of(terms.begin(), terms.end(),
+                                   [](const Term& term) { return term.effect->facts().adds_one_signal; });
   return no_form ? rms_without : setting.first_gap;
 }
 

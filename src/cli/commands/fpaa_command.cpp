@@ -146,21 +146,9 @@ void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, con
   out.commit();
 }
 
-int opamps_of(const fpaa::Plan& plan) {
-  int out = 0;
-  for (const fpaa::ChipPlan& chip : plan.chips) out += chip.resources().opamps;
-  return out;
-}
-
-std::set<double> clocks_of(const fpaa::Plan& plan) {
-  std::set<double> out;
-  for (const fpaa::PlacedCam* cam : plan.cams()) out.insert(cam->clock_a.value);
-  return out;
-}
-
 std::string clocks_text(const fpaa::Plan& plan) {
   std::vector<std::string> out;
-  for (const double clock : clocks_of(plan)) out.push_back(engineering_text(clock, "Hz", 6));
+  for (const double clock : plan.clocks_hz()) out.push_back(engineering_text(clock, "Hz", 6));
   return join(out, ", ");
 }
 
@@ -171,8 +159,8 @@ Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& fr
   out["clock_hz"] = cams.back()->clock_a.value;
   out["topology"] = plan.topology;
   out["cams"] = cams.size();
-  out["opamps"] = opamps_of(plan);
-  out["clocks_hz"] = clocks_of(plan);
+  out["opamps"] = plan.opamps();
+  out["clocks_hz"] = plan.clocks_hz();
   out["chips"] = plan.chips.size();
   out["error"] = json["error"];
   out["error_with_delays"] = json["error_with_delays"];
@@ -228,7 +216,7 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
       "{}"
       "kT/C noise in the band: {} uV with units of {} fF\n"
       "largest input: {} V\n",
-      plan.topology, cams.size(), opamps_of(plan), plan.chips.size(), plan.chips.size() == 1 ? "" : "s",
+      plan.topology, cams.size(), plan.opamps(), plan.chips.size(), plan.chips.size() == 1 ? "" : "s",
       plan.board, clocks_text(plan), engineering_text(runs.band.from.value, "Hz", 4),
       engineering_text(runs.band.to.value, "Hz", 4), rounded_text(runs.max_complex_percent),
       rounded_text(runs.max_magnitude_db), rounded_text(runs.max_phase_deg),

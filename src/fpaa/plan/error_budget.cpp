@@ -58,7 +58,7 @@ std::vector<double> integrated_noise(const SwitchedBoard& board, const std::vect
 
 /// Logarithmic in the band and below, evenly spaced from there to half the fastest clock.
 std::vector<Hertz> whole_noise_grid(const Plan& plan, Band band, int points) {
-  const double top = 0.5 * plan.fastest_clock().value;
+  const double top = 0.5 * *plan.clocks_hz().rbegin();
   const double from = std::min(1e-3 * band.from.value, 1e-6 * top);
   std::vector<Hertz> out{{0.0}};
   for (const Hertz f : log_grid({{from}, {top}}, points)) out.push_back(f);
@@ -82,7 +82,7 @@ void add_nodes_and_noise(const Plan& plan, const SwitchedBoard& board, Band band
   const std::vector<double> in_band = integrated_noise(noisy, log_grid(band, points));
   const std::vector<double> whole = integrated_noise(noisy, whole_noise_grid(plan, band, points));
   for (const auto& nodes :
-       nodes_over(board, log_grid({{0.1 * band.from.value}, {0.45 * plan.fastest_clock().value}}, points))) {
+       nodes_over(board, log_grid({{0.1 * band.from.value}, {0.45 * *plan.clocks_hz().rbegin()}}, points))) {
     for (std::size_t c = 0; c < shares.size(); ++c) {
       for (const auto& node : nodes[c])
         shares[c].peak_node_gain = std::max(shares[c].peak_node_gain, node.largest);

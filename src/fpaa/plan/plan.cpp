@@ -21,9 +21,15 @@ std::vector<const PlacedCam*> Plan::cams() const {
   return out;
 }
 
-Hertz Plan::fastest_clock() const {
-  Hertz out;
-  for (const PlacedCam* cam : cams()) out = std::max(out, cam->clock_a);
+std::set<double> Plan::clocks_hz() const {
+  std::set<double> out;
+  for (const PlacedCam* cam : cams()) out.insert(cam->clock_a.value);
+  return out;
+}
+
+int Plan::opamps() const {
+  int out = 0;
+  for (const ChipPlan& chip : chips) out += chip.resources().opamps;
   return out;
 }
 

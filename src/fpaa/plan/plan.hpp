@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -120,7 +121,8 @@ struct Plan {
   std::vector<std::string> notes;          ///< decisions a person should know
 
   std::vector<const PlacedCam*> cams() const;
-  Hertz fastest_clock() const;
+  std::set<double> clocks_hz() const;
+  int opamps() const;
   /// The first input pin that nothing leads to ("chip1.in1"), the first output pin that nothing starts from; empty: there is none.
   std::string input_pin() const;
   std::string output_pin() const;

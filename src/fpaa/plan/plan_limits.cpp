@@ -105,10 +105,8 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   constexpr double kPieces = 1e6;  // of waveforms and their lines
   constexpr int kBeatMultiples = 3;
   constexpr double kBesideClock[] = {-0.3, 0.3};
-  std::vector<double> clocks;
-  for (const PlacedCam* cam : plan.cams()) clocks.push_back(cam->clock_a.value);
-  std::sort(clocks.begin(), clocks.end());
-  clocks.erase(std::unique(clocks.begin(), clocks.end()), clocks.end());
+  const std::set<double> all = plan.clocks_hz();
+  const std::vector<double> clocks(all.begin(), all.end());
   const double cost = static_cast<double>(board.pieces() * clocks.size() * kSignals);
   std::vector<Hertz> signals = log_grid(band, cost > kPieces ? kSignals / 2 : kSignals);
   const std::size_t spread = signals.size();

@@ -112,12 +112,6 @@ std::optional<Band> usable_band(const SwitchedBoard& board, const Sections& sect
   return best;
 }
 
-int opamps_of(const Plan& plan) {
-  int out = 0;
-  for (const ChipPlan& chip : plan.chips) out += chip.resources().opamps;
-  return out;
-}
-
 /// What a search comes to in words, chips and percent in `form`; empty when that fails too.
 std::string tried(const Sections& sections, PlanOptions options, Band band, const Board& board,
                   const std::string& form) {
@@ -216,13 +210,13 @@ Plan best_of(std::vector<FoundPlan> found, const Board& board) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Plan& plan = found[i].plan;
     const DesignScore score = score_of(plan, board);
-    const auto place = score.place(score.missing(board.full_scale_v), opamps_of(plan), found[i].vendor);
+    const auto place = score.place(score.missing(board.full_scale_v), plan.opamps(), found[i].vendor);
     if (place < least) {
       least = place;
       best = i;
     }
     curve.push_back({plan.total->at_input_v, plan.total->designed_percent, plan.total->p95_percent,
-                     opamps_of(plan), false});
+                     plan.opamps(), false});
   }
   curve[best].chosen = true;
   std::erase_if(curve, [all = curve](const TradeOff& at) {
@@ -380,7 +374,7 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
     const PlanError& error = plan.error_with_delays;
     return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
                                rounded_text(error.max_complex_percent, 3), rounded_text(error.worst.value, 3),
-                               plan.topology, opamps_of(plan),
+                               plan.topology, plan.opamps(),
                                least_change(sections, options, band, board, usable))};
   }
   state_trade_off(plan, board, costliest_root(plan, sections, band, options.assumptions.mismatch));

@@ -158,8 +158,7 @@ std::string board_deck(const Plan& plan, const std::string& title) {
   constexpr double kLeastPeriods = 1.5;
   constexpr double kStepsAPhase = 4.0;
   constexpr double kMostClocks = 10e3;  ///< of the fastest clock in the run: a minute or two of ngspice
-  double fastest = 0.0;
-  for (const PlacedCam* cam : plan.cams()) fastest = std::max(fastest, cam->clock_a.value);
+  const double fastest = *plan.clocks_hz().rbegin();
   const double middle = std::sqrt(plan.error.band.from.value * plan.error.band.to.value);
   const double frequency =
       std::max(middle, std::min(plan.error.band.to.value, kMostPeriods * fastest / kMostClocks));

@@ -59,13 +59,10 @@ class BoardTracker {
       largest = std::max(
           largest, std::abs(generator_.value(project.target.branch, 0.01 * i * project.track.amplitude())));
     volts_ = kOfLargestInput * design.plan->max_input_v / largest;
-    std::set<double> clocks;
-    for (const auto& node : graph_.nodes) clocks.insert(node.cam->clock_a.value);
+    const std::set<double> clocks = design.plan->clocks_hz();
     slowest_hz_ = *clocks.begin();
     fastest_hz_ = *clocks.rbegin();
-    for (const fpaa::ChipPlan& chip : design.plan->chips) {
-      for (const double hz : clocks) cost_ += kSecondsAPeriod * hz * chip.resources().opamps;
-    }
+    for (const double hz : clocks) cost_ += kSecondsAPeriod * hz * design.plan->opamps();
   }
 
   Window window(Hertz operating) const {

@@ -162,9 +162,7 @@ Findings beyond_the_known_gains(const Project& project, const TrackingStudy& stu
 
 Findings few_samples_a_period(const Design& design, const TrackingStudy& study) {
   if (!design.plan) return {};
-  Hertz clock{0.0};  // the slowest of the plan
-  for (const fpaa::PlacedCam* cam : design.plan->cams())
-    if (clock.value == 0.0 || cam->clock_a < clock) clock = cam->clock_a;
+  const Hertz clock{*design.plan->clocks_hz().begin()};  // the slowest of the plan
   std::vector<Hertz> sampled;
   for (const Hertz f : study.frequency) {
     if (f.value > 0.05 * clock.value) sampled.push_back(f);

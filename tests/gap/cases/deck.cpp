@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "base/error.hpp"
+#include "gap/cases/random.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 
 namespace hidden {
 namespace {
 
 using std::string;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kOhm = 10e3;
 constexpr double kOpenLoopGain = 1e6;
 

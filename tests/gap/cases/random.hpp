@@ -10,6 +10,8 @@
 /// not).
 namespace hidden {
 
+inline constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
 using Random = std::mt19937_64;
 
 inline double uniform(Random& random, double a, double b) {

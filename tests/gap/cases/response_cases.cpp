@@ -15,7 +15,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Response = std::function<Complex(Complex)>;  ///< of s
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 const std::map<std::string, std::vector<std::string>>& effects_by_base() {
   static const std::map<std::string, std::vector<std::string>> effects = {

@@ -7,8 +7,6 @@
 namespace hidden {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-
 void scale_to_one(std::vector<double>& u) {
   const double size = largest(u);
   for (double& v : u) v /= size;

@@ -14,8 +14,6 @@
 namespace hidden {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-
 const std::map<std::string, std::vector<std::string>>& effects_by_base() {
   static const std::map<std::string, std::vector<std::string>> effects = {
       {"opamp_gain",

@@ -8,8 +8,6 @@
 namespace hidden {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-
 Fine refine(const std::vector<double>& u) {
   Fine fine((u.size() - 1) * kOversampling + 1);
   for (size_t i = 0; i + 1 < u.size(); ++i) {

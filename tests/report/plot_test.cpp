@@ -57,6 +57,26 @@ TEST(Plot, EveryNameInTheLegendStandsInThePictureAndUnderThePlot) {
   EXPECT_GT(rows, 2);
 }
 
+TEST(Plot, WhatIsWrittenStandsInThePicture) {
+  Plot plot;
+  plot.title = "title";
+  plot.x = {"frequency in Hz", true};
+  plot.y = {"gain in dB"};
+  plot.series.push_back({"a", {1.0, 10.0, 100.0}, {-40.0, 3.0, 20.0}});
+  const std::string svg = to_svg(plot);
+  std::smatch size;
+  ASSERT_TRUE(std::regex_search(svg, size, std::regex("width=\"(\\d+)\" height=\"(\\d+)\"")));
+  const std::regex text("<text x=\"([-0-9.]+)\" y=\"([-0-9.]+)\"");
+  int count = 0;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), text), end; at != end; ++at, ++count) {
+    for (const std::size_t axis : {1u, 2u}) {
+      EXPECT_GE(std::stod((*at)[axis]), 0.0) << at->str();
+      EXPECT_LE(std::stod((*at)[axis]), std::stod(size[axis])) << at->str();
+    }
+  }
+  EXPECT_GT(count, 8);
+}
+
 TEST(Plot, ALongRecordIsThinnedToWhatCanBeSeen) {
   Plot plot;
   Series series;

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "base/whole_number.hpp"
-#include "simulate/simulate.hpp"
 
 namespace bodesmith::tracking {
 namespace {
@@ -152,25 +150,6 @@ std::vector<double> IdentifiedStage::response(std::span<const double> v, double 
   std::vector<double> q = settled_output(found(operating).model, u, step_s);
   if (mirrored_) q = mirrored_at(u, std::move(q));
   return through_path(paths_.mechanics, q, step_s);
-}
-
-ChainStage::ChainStage(std::string name, chain::Chain chain)
-    : name_(std::move(name)), chain_(std::move(chain)) {}
-
-std::vector<double> ChainStage::response(std::span<const double> v, double step_s, Hertz) const {
-  check_drive(v);
-  double slowest = 0.0;
-  for (const chain::Block& block : chain_.blocks) slowest += block.slowest_time_constant_s();
-  const double round_s = step_s * static_cast<double>(v.size());
-  const int rounds = 2 + whole_number<int>(std::ceil(20.0 * slowest / round_s), 0, 1000);
-  TimeRecord record;
-  record.file = name_;
-  record.step_s = step_s;
-  for (int i = 0; i < rounds; ++i) record.u.insert(record.u.end(), v.begin(), v.end());
-  simulate::Options options{.start = simulate::Start::equilibrium, .estimate_error = false};
-  std::vector<double> y = simulate::simulate(chain_, record, options).y;
-  y.erase(y.begin(), y.end() - static_cast<std::ptrdiff_t>(v.size()));
-  return y;
 }
 
 }  // namespace bodesmith::tracking

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "chain/chain.hpp"
 #include "hysteresis/model_type.hpp"
 #include "lti/sections.hpp"
 #include "signal/time_record.hpp"
@@ -59,18 +58,6 @@ class IdentifiedStage final : public Stage {
   bool mirrored_ = false;
   mutable std::mutex mutex_;
   mutable std::map<std::pair<double, double>, Found> known_;  ///< by the rate gains of both branches
-};
-
-/// Any chain of model.toml as a stage: simulated over as many rounds of the drive as its slowest block needs.
-class ChainStage final : public Stage {
- public:
-  ChainStage(std::string name, chain::Chain chain);
-  const std::string& name() const override { return name_; }
-  std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const override;
-
- private:
-  std::string name_;
-  chain::Chain chain_;
 };
 
 /// w/(s + w): a first-order lag as a path.

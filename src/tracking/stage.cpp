@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "base/whole_number.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
 #include "lti/bulk_response.hpp"
 #include "numeric/fourier.hpp"
@@ -202,19 +201,6 @@ LagResult best_lag(const std::vector<double>& y, const std::vector<double>& x, d
     mean_square += std::norm(y_hat[k] - x_hat[k] * turn) * scale * (k == 0 || 2 * k == n ? 1.0 : 2.0);
   out.rms = std::sqrt(mean_square);
   return out;
-}
-
-std::vector<double> Stage::displacement(std::span<const double> v, double step_s, Hertz operating) const {
-  const double exact = 1.0 / (operating.value * step_s);
-  const double periods = static_cast<double>(v.size()) / exact;
-  if (!(periods > 0.5) || std::abs(periods - std::round(periods)) > 1e-6 * periods) {
-    throw InputError(fmt::format("the drive lasts {} periods of {} Hz, expected a whole number", periods,
-                                 operating.value));
-  }
-  std::vector<double> y = response(v, step_s, operating);
-  const auto last = whole_number<std::size_t>(std::round(exact));
-  y.erase(y.begin(), y.end() - static_cast<std::ptrdiff_t>(std::min(last, y.size())));
-  return y;
 }
 
 void check_drive(std::span<const double> v) {

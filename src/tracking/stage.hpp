@@ -26,9 +26,6 @@ class Stage {
   /// period of the reference, or several where a clock and the reference meet only then). `operating`: the
   /// reference's frequency, at which the rate gains are taken. InputError: no samples, or one that is no number.
   virtual std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const = 0;
-
-  /// The last period (1/operating) of response(). InputError when v is not a whole number of periods long.
-  std::vector<double> displacement(std::span<const double> v, double step_s, Hertz operating) const;
 };
 
 /// What stands before and behind the hysteresis: amplifier; damping compensator and resonance.

@@ -67,7 +67,6 @@ void validate(const Plant& plant, const std::vector<Design>& designs, const Opti
 
 /// y/stroke over whole repeats and x over one, with as many samples a repeat.
 struct Tracked {
-  Method method = Method::harmonic;
   std::vector<double> displacement;
   std::vector<double> reference;
   std::optional<Case::Check> check;
@@ -81,11 +80,10 @@ double range_of(const std::vector<double>& y) {
 /// In the time domain where that is wanted and the design has one, checked by the harmonic computation.
 Tracked displacement_of(const Plant& plant, const Design& design, const Options& options,
                         const PeriodicTracking& periodic, const PeriodicState& state) {
-  Tracked out{Method::harmonic, state.displacement, periodic.reference(), std::nullopt};
+  Tracked out{state.displacement, periodic.reference(), std::nullopt};
   if (!options.time_domain || plant.stage) return out;
   const std::size_t samples = kSamples * periodic.form().periods();
   if (auto sampled = track_continuous(plant, design, options, periodic, state, samples)) {
-    out.method = Method::cvode;
     out.displacement = std::move(*sampled);
   } else {
     return out;
@@ -104,7 +102,6 @@ Tracked displacement_of(const Plant& plant, const Design& design, const Options&
 void judge(const Tracked& waves, const std::vector<double>& last, double repeat_s, Case& out) {
   const TrackingError all = plain_error(waves.displacement, waves.reference);
   const TrackingError error = tracking_error(last, waves.reference, repeat_s);
-  out.method = waves.method;
   out.check = waves.check;
   out.rms_percent = all.rms_percent;
   out.max_percent = all.max_percent;
@@ -177,17 +174,6 @@ Report track(const Plant& plant, const std::vector<Design>& designs, const Optio
   for (std::vector<Case>& at : cases)
     for (Case& c : at) report.cases.push_back(std::move(c));
   return report;
-}
-
-std::string to_string(GeneratorForm form) {
-  if (form.is_self_fed()) return "self_fed";
-  if (form.passes == 1) return "one_pass";
-  if (form.passes == 2) return "two_passes";
-  return std::to_string(form.passes) + "_passes";
-}
-
-std::string_view to_string(Method method) {
-  return method == Method::harmonic ? "harmonic" : "cvode";
 }
 
 const Case* Report::find(Hertz frequency, const std::string& design) const {

@@ -39,9 +39,6 @@ struct GeneratorForm {
   static constexpr GeneratorForm self_fed() { return {0}; }    ///< v = x - d(v), a loop round the generator
   bool is_self_fed() const { return passes == 0; }
 };
-/// "one_pass", "two_passes", "3_passes", "self_fed".
-std::string to_string(GeneratorForm form);
-
 /// One row of the comparison.
 struct Design {
   std::string name;  ///< "constant polynomial", "E96 circuit", ...
@@ -90,13 +87,6 @@ struct Options {
   std::size_t keep_samples = 400;    ///< samples a period of the waveforms kept in the report
 };
 
-/// How a displacement was worked out.
-enum class Method {
-  harmonic,  ///< linear parts harmonic by harmonic, the rest sample by sample; clocked designs without images
-  cvode,     ///< one period integrated
-};
-std::string_view to_string(Method method);
-
 /// One design at one frequency.
 struct Case {
   Hertz frequency;
@@ -109,8 +99,8 @@ struct Case {
   /// What rms_percent would be if the stage read the reference; by the harmonic computation.
   std::optional<double> on_reference_percent;
   double lost_rms_percent = 0.0;  ///< rms of c against the design it was made from, percent of stroke
-  Method method = Method::harmonic;
-  /// The same by the harmonic computation, when `method` is another.
+  /// The same by the harmonic computation (linear parts harmonic by harmonic, the rest sample by sample; clocked designs without
+  /// images), where the figures above are of one period that CVODE integrated.
   struct Check {
     double rms_percent = 0.0;
     double difference_percent = 0.0;  ///< rms between both displacements, percent of range

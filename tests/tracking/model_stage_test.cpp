@@ -50,13 +50,13 @@ TEST(Generator, EachPassMoreLeavesLess) {
   std::vector<Design> designs = {{"none", Uncompensated{}, Uncompensated{}, ""}};
   for (const int passes : {1, 2, 3, 0}) {
     const GeneratorForm form{passes};
-    designs.push_back({to_string(form), ConstantGain{}, ConstantGain{}, "", form});
+    designs.push_back({std::to_string(passes), ConstantGain{}, ConstantGain{}, "", form});
   }
   const Report report = track(plant, designs, tracked_at({1.0}));
   const double wanted[] = {4.98, 0.616, 0.131, 0.034, 0.0};
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_NEAR(report.cases[i].rms_percent, wanted[i], i == 0 ? 0.005 : 0.0006) << report.cases[i].design;
-    EXPECT_EQ(report.cases[i].method, Method::cvode);
+    EXPECT_TRUE(report.cases[i].check.has_value());
   }
 }
 
@@ -155,7 +155,7 @@ TEST(Generator, ALoopWithAFilterInItIsWhatSteppingByHandFinds) {
   const Report report = track(plant, {{"loop", ConstantGain{}, two_poles(), "", GeneratorForm::self_fed()}},
                               tracked_at({5, 100}));
   for (const Case& c : report.cases) {
-    EXPECT_EQ(c.method, Method::cvode);
+    EXPECT_TRUE(c.check.has_value());
     EXPECT_NEAR(c.rms_percent, stepped_by_hand(c.frequency.value), 2e-3) << c.frequency.value;
     EXPECT_NEAR(c.check->rms_percent, c.rms_percent, 2e-3);
   }
@@ -170,8 +170,8 @@ TEST(Generator, CvodeAgreesOnEveryReferenceFormAndRate) {
     std::vector<Design> designs;
     for (const int passes : {1, 2, 0}) {
       const GeneratorForm form{passes};
-      designs.push_back({"filter" + to_string(form), ConstantGain{}, two_poles(), "", form});
-      designs.push_back({"slope" + to_string(form), ConstantGain{}, slope, "", form});
+      designs.push_back({"filter" + std::to_string(passes), ConstantGain{}, two_poles(), "", form});
+      designs.push_back({"slope" + std::to_string(passes), ConstantGain{}, slope, "", form});
     }
     Options options = tracked_at({60});
     options.reference = shape;
@@ -179,7 +179,7 @@ TEST(Generator, CvodeAgreesOnEveryReferenceFormAndRate) {
       options.alpha = alpha;
       const Report report = track(plant, designs, options);
       for (const Case& c : report.cases) {
-        ASSERT_EQ(c.method, Method::cvode);
+        ASSERT_TRUE(c.check.has_value());
         // At inner turning points the drive jumps from branch to branch within the amplifier's 2 us, about one
         // sample of 8192: how much of that a sample catches is chance.
         const double allowed = shape == Shape::two_tone ? 1.3 : shape == Shape::triangle ? 0.1 : 0.3;

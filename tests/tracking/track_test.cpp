@@ -81,7 +81,7 @@ TEST(Tracking, MagnitudeOnlyCompensationIsWorseThanNoneAsTheFactsSay) {
   EXPECT_NEAR(report.find(Hertz{100.0}, "ideal")->waveform_rms_percent, 1.40, 0.01);
   EXPECT_GT(report.find(Hertz{100.0}, "ideal")->rms_percent, 1.3);
   for (const auto& c : report.cases) {
-    EXPECT_EQ(c.method, Method::cvode) << c.design;
+    EXPECT_TRUE(c.check.has_value()) << c.design;
     EXPECT_LT(c.check->difference_percent, 1e-4) << c.design;
     EXPECT_NEAR(c.check->rms_percent, c.rms_percent, 1e-4) << c.design;
   }
@@ -113,7 +113,7 @@ TEST(Tracking, EveryDesignAgreesWithTheHarmonicComputation) {
       options.argument = argument;
       const auto report = track(seed_plant(), designs, options);
       for (const auto& c : report.cases) {
-        EXPECT_EQ(c.method, Method::cvode);
+        EXPECT_TRUE(c.check.has_value());
         // The harmonic side finds where the drive turns only to a sample of 8192.
         const double allowed = argument == Options::Argument::reference ? 5e-4 : 1e-2;
         EXPECT_LT(c.check->difference_percent, allowed) << c.design << " at " << c.frequency.value;

@@ -239,22 +239,6 @@ Outcome<TrackedController> track_controller(const Disturbance& disturbance, cons
   return fast;
 }
 
-std::vector<std::string> BoardTracking::head() const {
-  std::vector<std::string> out = {"drive"};
-  for (const Hertz f : frequency) out.push_back(rounded_text(f.value) + " Hz");
-  return out;
-}
-
-std::vector<std::vector<std::string>> BoardTracking::table() const {
-  std::vector<std::vector<std::string>> out;
-  for (const BoardTrackingRow& row : rows) {
-    if (row.why_not) continue;
-    out.push_back({row.name});
-    for (const double value : row.rms_percent) out.back().push_back(fmt::format("{:.3f}", value));
-  }
-  return out;
-}
-
 std::string BoardTracking::csv() const {
   std::vector<std::string> columns = {"frequency_hz"};
   for (const BoardTrackingRow& row : rows) {

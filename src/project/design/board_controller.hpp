@@ -62,9 +62,6 @@ struct BoardTracking {
   Json to_json() const;
   /// `frequency_hz` and a column `<key>_percent` a row that works.
   std::string csv() const;
-  /// The table for a terminal or a page: head and rows of texts.
-  std::vector<std::string> head() const;
-  std::vector<std::vector<std::string>> table() const;
 };
 
 /// Every variant that fits, run at every frequency against the stage: y = v + K(f) d(v) and what stands

@@ -213,8 +213,7 @@ TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vecto
 double max_cross_check(const tracking::Report& report) {
   double out = 0.0;
   for (const tracking::Case& one : report.cases) {
-    if (one.method != tracking::Method::cvode || !one.check) continue;
-    out = std::max(out, one.check->difference_percent);
+    if (one.check) out = std::max(out, one.check->difference_percent);
   }
   return out;
 }

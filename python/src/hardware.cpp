@@ -64,7 +64,8 @@ Answer plan_board(const Call& call) {
                 "opamp_gain", "netlist", "seed"});
   Answer out;
   const Sections sections = rational_part(Sections::from_node(o.at("sections")), out.warnings);
-  const fpaa::PlanOptions options = plan_options(o);
+  fpaa::PlanOptions options = plan_options(o);
+  options.assumptions.seed = seed_of(o);
   fpaa::OpAmpModel opamp;
   opamp.gain_bandwidth = Hertz{positive_or(o, "opamp_bandwidth_hz", opamp.gain_bandwidth.value)};
   opamp.gain = positive_or(o, "opamp_gain", opamp.gain);
@@ -72,10 +73,7 @@ Answer plan_board(const Call& call) {
   const fpaa::Plan plan = value_or_throw(fpaa::make_plan(sections, options));
   const double seconds = watch.seconds();
   Json body = plan.to_json();
-  body["budget"] =
-      fpaa::error_budget(plan, sections,
-                         {.assumptions = options.assumptions, .opamp = opamp, .seed = seed_of(o)})
-          .to_json();
+  body["budget"] = fpaa::error_budget(plan, sections, options.assumptions, opamp).to_json();
   out.result = document("fpaa_plan", body, seconds);
   out.files["build_sheet.md"] = fpaa::build_sheet_markdown(plan);
   out.files["build_sheet.html"] = fpaa::build_sheet_html(plan);

@@ -116,10 +116,7 @@ Followed refine_start(const DirectProblem& problem, const RootModel& model, cons
   // finish_starts() follows the promising ones to their end; few points leave nothing to tell them apart by.
   const int iterations = problem.underdetermined ? 80 : 20;
   Followed out;
-  // Least squares brought the start here already, without masks and what lies between few points.
-  SearchResult near = start;
-  if (problem.underdetermined || !problem.target.masks.empty())
-    near = search_constrained(model, problem.screening, problem.limits, start.theta, true, 30);
+  SearchResult near = search_constrained(model, problem.screening, problem.limits, start.theta, true, 30);
   if (problem.underdetermined && problem.target.masks.empty())
     near = search_interpolation(model, problem.target, problem.limits, near.theta, 60);
   if (problem.underdetermined && near.value <= 1e-6) return {std::move(near), kFirstRadius};

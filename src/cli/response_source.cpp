@@ -18,6 +18,7 @@
 #include "lti/fractional_transfer.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/ngspice/ngspice.hpp"
+#include "schematic/ngspice/plain_netlist.hpp"
 #include "schematic/writers/spice_library.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
@@ -154,9 +155,12 @@ std::string stem_of(const std::filesystem::path& path) {
   return stem;
 }
 
-/// What this program can solve itself.
+/// What this program can solve itself: a netlist of known elements that includes no file.
 std::optional<schematic::Netlist> own_netlist(const std::string& text, const std::string& file,
                                               const std::string& subcircuit) {
+  for (const std::string_view line : split(text, '\n')) {
+    if (ngspice::include_line(line)) return std::nullopt;
+  }
   try {
     const schematic::SpiceLibrary library = schematic::read_spice(text, file);
     return library.two_port(subcircuit.empty() ? library.top : subcircuit);

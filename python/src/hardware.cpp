@@ -36,6 +36,7 @@ fpaa::PlanOptions plan_options(const Node& o) {
   out.assumptions.mismatch = mismatch_of(o);
   out.assumptions.noise.unit_capacitance_f =
       positive_or(o, "unit_capacitance_f", out.assumptions.noise.unit_capacitance_f);
+  out.assumptions.seed = seed_of(o);
   return out;
 }
 
@@ -64,8 +65,7 @@ Answer plan_board(const Call& call) {
                 "opamp_gain", "netlist", "seed"});
   Answer out;
   const Sections sections = rational_part(Sections::from_node(o.at("sections")), out.warnings);
-  fpaa::PlanOptions options = plan_options(o);
-  options.assumptions.seed = seed_of(o);
+  const fpaa::PlanOptions options = plan_options(o);
   fpaa::OpAmpModel opamp;
   opamp.gain_bandwidth = Hertz{positive_or(o, "opamp_bandwidth_hz", opamp.gain_bandwidth.value)};
   opamp.gain = positive_or(o, "opamp_gain", opamp.gain);

@@ -155,6 +155,13 @@ std::string stem_of(const std::filesystem::path& path) {
   return stem;
 }
 
+/// `subcircuit` (empty: the top) from its first pin to its second.
+schematic::Netlist two_port_of(const std::string& text, const std::string& file,
+                               const std::string& subcircuit = "") {
+  const schematic::SpiceLibrary library = schematic::read_spice(text, file);
+  return library.two_port(subcircuit.empty() ? library.top : subcircuit);
+}
+
 /// What this program can solve itself: a netlist of known elements that includes no file.
 std::optional<schematic::Netlist> own_netlist(const std::string& text, const std::string& file,
                                               const std::string& subcircuit) {
@@ -162,8 +169,7 @@ std::optional<schematic::Netlist> own_netlist(const std::string& text, const std
     if (ngspice::include_line(line)) return std::nullopt;
   }
   try {
-    const schematic::SpiceLibrary library = schematic::read_spice(text, file);
-    return library.two_port(subcircuit.empty() ? library.top : subcircuit);
+    return two_port_of(text, file, subcircuit);
   } catch (const InputError&) {
   }
   return std::nullopt;
@@ -180,8 +186,7 @@ bool is_netlist(const std::filesystem::path& path) {
 }
 
 schematic::Netlist read_netlist(const std::filesystem::path& path, Provenance& from) {
-  const schematic::SpiceLibrary library = schematic::read_spice(from.read(path), path.string());
-  return library.two_port(library.top);
+  return two_port_of(from.read(path), path.string());
 }
 
 bool is_own_document(const std::filesystem::path& path) {

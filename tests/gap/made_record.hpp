@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 #include <utility>
@@ -23,6 +25,15 @@ inline TimeRecord measured(const std::string& truth, std::vector<double> input, 
   simulate::RecordSimulator simulator(model_of(truth), step_s);
   for (double y : simulator.run(r.u)) r.y.push_back(y + noise * normal(random));
   return r;
+}
+
+/// So many samples, 1 ms apart, of a sine at hz and half of one at 2.7 hz.
+inline std::vector<double> two_sines(int samples, double size, double hz) {
+  std::vector<double> u;
+  for (int i = 0; i < samples; ++i)
+    u.push_back(size * (std::sin(2.0 * std::numbers::pi * hz * 1e-3 * i) +
+                        0.5 * std::sin(2.0 * std::numbers::pi * 2.7 * hz * 1e-3 * i)));
+  return u;
 }
 
 }  // namespace bodesmith

@@ -171,8 +171,7 @@ class Exchange {
     if (!watched_.empty()) {
       const std::size_t peak = largest_of(watched_error_.data(), watched_error_.size());
       const double error = watched_error_[peak];
-      out = {Kind::row, error < 0.0 ? -1.0 : 1.0, eigen_index(watched_[std::min(peak, watched_.size() - 1)]),
-             std::abs(error) - x_(n_)};
+      out = {Kind::row, error < 0.0 ? -1.0 : 1.0, eigen_index(watched_[peak]), std::abs(error) - x_(n_)};
     }
     // The numbers count about as much as the level: both are in units of what is looked for.
     for (Index j = 0; j < n_; ++j) {

@@ -162,7 +162,7 @@ class Reader {
     if (at_ >= lines_.size()) return;
     const Words words = words_of(lines_[at_]);
     const std::string first = lower_case(words[0]);
-    if (first == ".model") return model(words);
+    if (first == ".model") return model();
     if (first == ".control") return pass_to(".endc");
     if (first == ".end") return static_cast<void>(at_ = lines_.size());
     if (first != ".subckt") {
@@ -372,15 +372,14 @@ class Reader {
     into.gates.push_back(std::move(gate));
   }
 
-  void model(const Words& words) {
+  /// Ours is read, another program's passed over: a part that uses one is refused where it stands.
+  void model() {
     static const std::regex kDiode(
         R"(\.model bodesmith_diode D\(IS=(\S+) N=(\S+) RS=(\S+) CJO=(\S+) TT=(\S+)\))");
     std::smatch found;
     if (std::regex_match(lines_[at_], found, kDiode)) {
       models_.diode = {number(found[1]), number(found[2]), number(found[3]), number(found[4]),
                        number(found[5])};
-    } else if (words.size() < 2 || words[1] != "bodesmith_flicker") {
-      // Of a part that stands in no line that is read: where one is used it is refused.
     }
     ++at_;
   }

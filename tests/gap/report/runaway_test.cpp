@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <string>
-#include <vector>
 
 #include "base/documents/json.hpp"
 #include "gap/diagnosis.hpp"
@@ -16,21 +14,14 @@
 namespace bodesmith {
 namespace {
 
-std::vector<double> sines(double size, double hz) {
-  std::vector<double> u;
-  for (int i = 0; i < 400; ++i)
-    u.push_back(size * (std::sin(2.0 * std::numbers::pi * hz * 1e-3 * i) +
-                        0.5 * std::sin(2.0 * std::numbers::pi * 2.7 * hz * 1e-3 * i)));
-  return u;
-}
-
 TEST(RunsAway, onTheHeldOutRecordsIsTold) {
   const std::string linear =
       "[[block]]\ntype = \"resonator\"\ngain = 1.0\nnatural_frequency_hz = 60.0\ndamping_ratio = 0.2\n";
   // Softening: beyond 1/sqrt(0.1) nothing holds it. What was held out kept to a straight line.
-  const auto study = gap::Study::of({measured(linear + "cubic = -0.1\n", sines(0.7, 8.0), 1e-3, 1e-3, 1),
-                                     measured(linear + "cubic = -0.1\n", sines(0.6, 15.0), 1e-3, 1e-3, 2)},
-                                    {measured(linear, sines(8.0, 11.0), 1e-3, 1e-3, 3)}, model_of(linear));
+  const auto study =
+      gap::Study::of({measured(linear + "cubic = -0.1\n", two_sines(400, 0.7, 8.0), 1e-3, 1e-3, 1),
+                      measured(linear + "cubic = -0.1\n", two_sines(400, 0.6, 15.0), 1e-3, 1e-3, 2)},
+                     {measured(linear, two_sines(400, 8.0, 11.0), 1e-3, 1e-3, 3)}, model_of(linear));
   const auto d = gap::diagnose(model_of(linear), study, {});
   ASSERT_EQ(d.steps.size(), 1U);
   EXPECT_EQ(d.steps[0].effect, "cubic_stiffness");

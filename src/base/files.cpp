@@ -249,9 +249,12 @@ void OutputSet::commit() {
     drop_stale(target);
     const fs::path temporary = target.parent_path() / ("." + target.filename().string() + suffix);
     staged.push_back({temporary, target, &file.content});
-    remember_temporary(temporary);
     std::string why;
-    write_to(temporary, file.content, why);
+    {
+      const EndingHeld until_written;
+      remember_temporary(temporary);
+      write_to(temporary, file.content, why);
+    }
     if (!why.empty()) fail(why);
   }
   // What can still fail, first.

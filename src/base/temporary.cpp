@@ -1,6 +1,8 @@
 #include "base/temporary.hpp"
 
+#include <pthread.h>
 #include <sys/mman.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -8,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -25,6 +28,9 @@ struct Slot {
 };
 std::array<Slot, kSlots> slots;
 std::array<std::atomic<pid_t>, 64> children;
+std::atomic<bool> ending{false};
+std::atomic<int> held{0};
+constexpr std::array kEndings = {SIGTERM, SIGHUP, SIGQUIT, SIGINT, SIGALRM};
 
 void on_ending(int signal) {
   end_at_once(128 + signal);
@@ -66,9 +72,37 @@ void forget_child(pid_t child) {
   }
 }
 
+EndingHeld::EndingHeld() {
+  sigset_t endings;
+  sigemptyset(&endings);
+  for (const int signal : kEndings) sigaddset(&endings, signal);
+  ::pthread_sigmask(SIG_BLOCK, &endings, &before_);
+  ++held;
+  if (!ending.load()) return;
+  --held;
+  for (;;) ::pause();
+}
+
+EndingHeld::~EndingHeld() {
+  --held;
+  ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+void EndingHeld::forget_in_child() const {
+  for (const int signal : kEndings) std::signal(signal, SIG_DFL);
+  ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
 void end_at_once(int status) {
+  ending.store(true);
+  // A disk that hangs does not keep the program: two seconds.
+  constexpr timespec kMillisecond = {0, 1'000'000};
+  for (int waited = 0; held.load() > 0 && waited < 2000; ++waited) ::nanosleep(&kMillisecond, nullptr);
   for (const auto& child : children) {
-    if (const pid_t process = child.load(); process > 0) ::kill(process, SIGKILL);
+    const pid_t process = child.load();
+    if (process <= 0) continue;
+    ::kill(process, SIGKILL);
+    ::waitpid(process, nullptr, 0);  // until then it may still make files
   }
   for (const Slot& slot : slots) {
     if (slot.state.load() == Slot::set) ::unlink(slot.path.data());

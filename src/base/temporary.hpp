@@ -1,5 +1,6 @@
 #pragma once
 
+#include <signal.h>
 #include <sys/types.h>
 
 #include <filesystem>
@@ -16,6 +17,22 @@ void forget_temporary(const std::filesystem::path& path);
 /// A process that shall not outlive this one (at most 64 at a time).
 void remember_child(pid_t child);
 void forget_child(pid_t child);
+
+/// While it lives, no signal ends the program: what is made and remembered (a file, a folder, a child) is made as one
+/// step. From the moment the program ends, no thread gets one any more.
+class EndingHeld {
+ public:
+  EndingHeld();
+  ~EndingHeld();
+  EndingHeld(const EndingHeld&) = delete;
+  EndingHeld& operator=(const EndingHeld&) = delete;
+
+  /// In a child that was forked meanwhile: signals end it as they end any program.
+  void forget_in_child() const;
+
+ private:
+  sigset_t before_;
+};
 
 /// Ends the children, removes what is temporary and ends the program; nothing else of it runs. For handlers of signals.
 [[noreturn]] void end_at_once(int status);

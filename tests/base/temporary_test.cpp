@@ -5,9 +5,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <thread>
 
 #include "base/files.hpp"
 #include "base/progress.hpp"
@@ -56,10 +60,31 @@ TEST(Temporary, AnEndTakesFilesFoldersAndChildrenWithIt) {
   // The grandchild holds the other end of this pipe until it is gone.
   pid_t grandchild = 0;
   ASSERT_EQ(::read(pipe_ends[0], &grandchild, sizeof grandchild), static_cast<ssize_t>(sizeof grandchild));
+  EXPECT_FALSE(is_running(grandchild));
   ::close(pipe_ends[1]);
   char none = 0;
   EXPECT_EQ(::read(pipe_ends[0], &none, 1), 0) << "process " << grandchild << " lives on";
   ::close(pipe_ends[0]);
+}
+
+TEST(Temporary, AnEndWaitsForWhatAnotherThreadIsMaking) {
+  const TemporaryFolder folder;
+  const int status = status_of([&] {
+    catch_endings();
+    std::atomic<bool> making{false};
+    std::thread other([&] {
+      const EndingHeld until_made;
+      remember_temporary(folder / "a.tmp");
+      making = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      std::ofstream(folder / "a.tmp") << "x";
+    });
+    while (!making) std::this_thread::yield();
+    std::raise(SIGTERM);
+    other.join();
+  });
+  EXPECT_EQ(status, 128 + SIGTERM);
+  EXPECT_FALSE(fs::exists(folder / "a.tmp"));
 }
 
 TEST(Temporary, WorkThatNeverLooksIsEndedAllTheSame) {

@@ -186,8 +186,10 @@ class Killer:
         left = [str(p) for p in self.tmp.iterdir()]
         if which != signal.SIGKILL and (stale or left):
             self.fault(f"{where}: left {stale + left}")
-        if which == signal.SIGKILL and self.survivors():
-            time.sleep(0.5)
+        # A child whose parent was killed dies when the machine next runs it; any other end waits for its children.
+        until = time.monotonic() + (10.0 if which == signal.SIGKILL else 0.0)
+        while self.survivors() and time.monotonic() < until:
+            time.sleep(0.05)
         if self.survivors():
             self.fault(f"{where}: processes {self.survivors()} live on")
         shutil.rmtree(self.tmp)

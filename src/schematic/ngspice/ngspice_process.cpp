@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -68,11 +69,15 @@ int run_program(const std::string& program, const std::vector<std::string>& argu
   argv.push_back(nullptr);
   const std::string directory = folder.string();
   const std::string out_name = (folder / "out.txt").string(), err_name = (folder / "err.txt").string();
+  std::optional<EndingHeld> until_known(std::in_place);
+  const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child < 0) throw InputError("ngspice cannot be started: no more processes");
   if (child == 0) {
+    until_known->forget_in_child();
 #ifdef __linux__
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // also when this program is killed so that it cannot say anything
+    if (::getppid() != parent) ::_exit(126);
 #endif
     const int in = ::open("/dev/null", O_RDONLY);
     const int out = ::open(out_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -85,6 +90,7 @@ int run_program(const std::string& program, const std::vector<std::string>& argu
     ::_exit(127);
   }
   const ChildOf here(child);
+  until_known.reset();
   const auto begin = std::chrono::steady_clock::now();
   const auto deadline = begin + std::chrono::duration<double>(timeout_s);
   for (;;) {
@@ -155,6 +161,7 @@ WorkFolder::WorkFolder() {
   static std::once_flag once;
   std::call_once(once, drop_stale_work_folders, where);
   std::string name = (where / fmt::format("{}{}-XXXXXX", kWorkName, ::getpid())).string();
+  const EndingHeld until_remembered;
   if (::mkdtemp(name.data()) == nullptr) {
     throw InputError(fmt::format("{}: cannot be made, expected a writable folder for temporary files", name));
   }

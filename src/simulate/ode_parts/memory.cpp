@@ -9,6 +9,9 @@
 namespace bodesmith::simulate {
 namespace {
 
+/// Moves below this share of the signal are rounding, not a turn.
+constexpr double kSmallestMove = 1e-12;
+
 class MemoryPart final : public OdePart {
  public:
   explicit MemoryPart(chain::MemoryKernel& memory) : memory_(memory), corners_(memory.corners()) {}
@@ -35,6 +38,8 @@ class MemoryPart final : public OdePart {
     g[corners_.size()] = in_.slope;
   }
   void commit() override {
+    // A jump is a move too, whose direction the branch behind it has.
+    if ((in_.value - committed_) * direction_ < -kSmallestMove * std::abs(in_.value)) direction_ = -direction_;
     memory_.step(in_.value, 0.0);
     committed_ = in_.value;
   }

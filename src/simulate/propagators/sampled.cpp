@@ -1,7 +1,8 @@
 #include "simulate/propagators/sampled.hpp"
 
 #include <algorithm>
-#include <vector>
+#include <cmath>
+#include <limits>
 
 #include "base/whole_number.hpp"
 
@@ -61,42 +62,8 @@ class Staircase {
   double sum_[kMaxDegree + 1]{};
 };
 
-/// Edge k samples at k cycles (in holds); the sample shows a lag later.
-class EdgeRun {
- public:
-  EdgeRun(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, double held)
-      : kernel_(kernel),
-        nodes_(nodes),
-        cycle_(1.0 / (kernel.clock_hz() * h)),
-        lag_(kernel.delay_s() / h),
-        held_(held),
-        waiting_(whole_number<std::size_t>(lag_ / cycle_) + 3, 0.0) {}
-
-  /// Samples of the edges up to `until` from the hold with node values v that begins at `begin`.
-  void take_samples(double until, double begin, const double* v) {
-    while (static_cast<double>(sampled_) * cycle_ <= until) {
-      const double s = std::clamp(static_cast<double>(sampled_) * cycle_ - begin, 0.0, 1.0);
-      waiting_[sampled_ % waiting_.size()] = kernel_.update(nodes_.value(v, s));
-      ++sampled_;
-    }
-  }
-  double next_change() const { return static_cast<double>(shown_) * cycle_ + lag_; }
-  void change() {
-    held_ = waiting_[shown_ % waiting_.size()];
-    ++shown_;
-  }
-  double held() const { return held_; }
-
- private:
-  chain::SampledKernel& kernel_;
-  const HoldNodes& nodes_;
-  double cycle_;
-  double lag_;
-  double held_;
-  std::size_t sampled_ = 0;      ///< edges whose sample is taken
-  std::size_t shown_ = 0;        ///< samples that have come out
-  std::vector<double> waiting_;  ///< samples wait here for their lag; never more than lag/cycle + 2
-};
+/// Edges this near to an end of a hold, in holds, belong to it.
+constexpr double kClose = 1e-9;
 
 }  // namespace
 
@@ -121,35 +88,68 @@ double run_memory(chain::MemoryKernel& memory, const HoldNodes& nodes, std::span
   return rest;
 }
 
-void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u, double* y,
-                 std::size_t holds, bool equilibrium, double* jumps) {
-  constexpr double kClose = 1e-9;
+double run_memory(chain::MemoryKernel& memory, StepSignal& signal, bool equilibrium) {
+  const double rest = memory.reset(signal.value.front(), equilibrium);
+  double last = signal.value.front();
+  double y = rest;
+  for (double& v : signal.value) {
+    if (v != last) y = memory.step(v, 0.0);
+    last = v;
+    v = y;
+  }
+  return rest;
+}
+
+void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u,
+                 std::size_t holds, bool equilibrium, StepSignal& out) {
+  const double cycle = 1.0 / (kernel.clock_hz() * h);
+  const double lag = kernel.delay_s() / h;
+  out.at.assign(1, 0.0);
+  out.value.assign(1, kernel.reset(u[0], equilibrium));
+  const auto end = static_cast<double>(holds);
+  for (std::size_t k = 0;; ++k) {
+    const double edge = static_cast<double>(k) * cycle;
+    const double shows = edge + lag;
+    if (!(shows < end - kClose)) break;
+    // An edge at the end of a hold samples what is there before the next one begins.
+    const std::size_t hold = k == 0 ? 0 : whole_number<std::size_t>(std::ceil(edge - kClose)) - 1;
+    const double s = std::clamp(edge - static_cast<double>(hold), 0.0, 1.0);
+    const double value = kernel.update(nodes.value(u + hold * nodes.size(), s));
+    if (shows <= kClose) {
+      out.value.back() = value;
+    } else {
+      out.at.push_back(shows);
+      out.value.push_back(value);
+    }
+  }
+}
+
+void spread_steps(const StepSignal& signal, const HoldNodes& nodes, double* y, std::size_t holds,
+                  double* jumps) {
   const std::size_t width = nodes.size();
-  EdgeRun edges(kernel, nodes, h, holds > 0 ? kernel.reset(u[0], equilibrium) : 0.0);
   Staircase staircase(nodes);
-  for (std::size_t hold = 0; hold < holds; ++hold, u += width, y += width) {
+  std::size_t now = 0;
+  const auto next_change = [&] {
+    return now + 1 < signal.at.size() ? signal.at[now + 1] : std::numeric_limits<double>::infinity();
+  };
+  for (std::size_t hold = 0; hold < holds; ++hold, y += width) {
     const double begin = static_cast<double>(hold);
-    // An edge at the end of a hold samples what is there before the next one begins, but shows in the next
-    // one.
-    edges.take_samples(begin + kClose, begin, u);
-    while (edges.next_change() - begin <= kClose) edges.change();
-    if (!(edges.next_change() - begin < 1.0 - kClose)) {  // most holds of a slow clock
-      std::fill_n(y, width, edges.held());
+    while (next_change() - begin <= kClose) ++now;
+    if (!(next_change() - begin < 1.0 - kClose)) {  // most holds of a slow clock
+      std::fill_n(y, width, signal.value[now]);
       if (jumps != nullptr) jumps = std::fill_n(jumps, width, 0.0);
-      edges.take_samples(begin + 1.0 - kClose, begin, u);
       continue;
     }
     std::size_t node = 0;
     if (jumps != nullptr) staircase.clear();
     while (true) {
-      const double change = edges.next_change() - begin;
+      const double change = next_change() - begin;
       const bool inside = change < 1.0 - kClose;
       const double to = inside ? change : 1.0;
-      while (node < width && (nodes.at[node] < to || !inside)) y[node++] = edges.held();
-      if (jumps != nullptr) staircase.add(to, edges.held());
+      while (node < width && (nodes.at[node] < to || !inside)) y[node++] = signal.value[now];
+      if (jumps != nullptr) staircase.add(to, signal.value[now]);
       if (!inside) break;
-      edges.take_samples(begin + change, begin, u);
-      edges.change();
+      ++now;
     }
     if (jumps != nullptr) {
       std::copy_n(y, width, jumps);
@@ -157,7 +157,6 @@ void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h,
       for (std::size_t j = 0; j < width; ++j) jumps[j] -= y[j];
       jumps += width;
     }
-    edges.take_samples(begin + 1.0 - kClose, begin, u);
   }
 }
 

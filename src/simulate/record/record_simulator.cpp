@@ -80,7 +80,9 @@ struct RecordSimulator::Implementation {
   std::vector<double> other;
   std::vector<double> third;
   std::vector<double>
-      jumps;  ///< of a clock, beside the polynomials that stand for them (run_sampled); else empty
+      jumps;        ///< of a clock, beside the polynomials that stand for them (spread_steps); else empty
+  StepSignal held;  ///< the signal behind a clock, as long as only values change on its way
+  bool is_held = false;  ///< whether it is that
   std::vector<double> main_state;
   std::vector<double> beside_state;
   std::vector<double> result;
@@ -245,6 +247,7 @@ struct RecordSimulator::Implementation {
     const auto count = static_cast<double>(stages.size());
     std::size_t i = go_on_from_kept(u, run);
     if (i == 0) spread_input(u, run);
+    is_held = false;
     for (bool keeps = options.same_input; i < stages.size(); ++i) {
       progress.at(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
       // What a clock shows depends on the stages behind it.
@@ -252,6 +255,7 @@ struct RecordSimulator::Implementation {
       run_stage(stages[i], run);
       if (keeps && i + 1 < stages.size() && !works_by_values(stages[i])) keep(stages[i + 1].first, run);
     }
+    if (is_held) spread(run, true);
     // At a jump the value behind it (a clocked block's new output) or in front.
     result[0] = signal[0];
     for (std::size_t k = 1; k < u.size(); ++k)
@@ -289,11 +293,42 @@ struct RecordSimulator::Implementation {
   }
 
   void run_stage(const RecordStage& stage, Run& run) {
+    if (is_held) {
+      if (run_held(stage, run)) return;
+      spread(run, has_memory(stage) || (works_by_values(stage) && shows_at_nodes_only(stage)));
+    }
     if (stage.linear) return run_linear(stage, run);
     jumps.clear();
     double* x = state.data() + stage.state;
-    const bool values_only = shows_at_nodes_only(stage);
-    std::visit([&](auto& kernel) { run_kernel(kernel, run, x, values_only); }, slots[stage.first].kernel());
+    std::visit([&](auto& kernel) { run_kernel(kernel, run, x); }, slots[stage.first].kernel());
+  }
+
+  /// Of steps to steps; false, and nothing done, where more than values changes.
+  bool run_held(const RecordStage& stage, Run& run) {
+    if (stage.linear) {
+      if (!works_by_values(stage)) return false;
+      for (double& v : held.value) v = stage.merged.d * v + stage.merged.offset;
+      run.rest = stage.merged.d * run.rest + stage.merged.offset;
+      return true;
+    }
+    chain::Kernel& kernel = slots[stage.first].kernel();
+    if (auto* curve = std::get_if<std::unique_ptr<CurveKernel>>(&kernel)) {
+      (*curve)->values(held.value.data(), held.value.data(), held.value.size());
+      run.rest = (*curve)->value(run.rest);
+      return true;
+    }
+    auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernel);
+    if (memory == nullptr || !(*memory)->rate_independent()) return false;
+    run.rest = run_memory(**memory, held, run.equilibrium);
+    return true;
+  }
+
+  /// From steps to nodes.
+  void spread(const Run& run, bool values_only) {
+    is_held = false;
+    if (!values_only) jumps.resize(signal.size());
+    spread_steps(held, run.nodes, signal.data(), run.plan.spans.front().holds,
+                 values_only ? nullptr : jumps.data());
   }
 
   bool has_memory(const RecordStage& stage) const {
@@ -359,16 +394,16 @@ struct RecordSimulator::Implementation {
     }
   }
 
-  void run_kernel(LinearKernel&, Run&, double*, bool) {
+  void run_kernel(LinearKernel&, Run&, double*) {
     throw std::logic_error("a linear block outside a linear stage");
   }
 
-  void run_kernel(std::unique_ptr<CurveKernel>& curve, Run& run, double*, bool) {
+  void run_kernel(std::unique_ptr<CurveKernel>& curve, Run& run, double*) {
     curve->values(signal.data(), signal.data(), run.values());
     run.rest = curve->value(run.rest);
   }
 
-  void run_kernel(std::unique_ptr<SourceKernel>& source, Run& run, double*, bool) {
+  void run_kernel(std::unique_ptr<SourceKernel>& source, Run& run, double*) {
     double* v = signal.data();
     double from = options.start_s;
     for (const HoldSpan& span : run.plan.spans) {
@@ -381,7 +416,7 @@ struct RecordSimulator::Implementation {
     run.rest += source->value(options.start_s);
   }
 
-  void run_kernel(std::unique_ptr<OdeKernel>& system, Run& run, double* x, bool) {
+  void run_kernel(std::unique_ptr<OdeKernel>& system, Run& run, double* x) {
     if (run.equilibrium) {
       std::vector<double> still(system->linear().order());
       system->equilibrium(run.rest, still.data());
@@ -409,21 +444,20 @@ struct RecordSimulator::Implementation {
     std::swap(signal, other);
   }
 
-  void run_kernel(std::unique_ptr<MemoryKernel>& memory, Run& run, double*, bool) {
+  void run_kernel(std::unique_ptr<MemoryKernel>& memory, Run& run, double*) {
     run.rest =
         memory->has_branches()
             ? branch.run(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium ? signal[0] : 0.0)
             : run_memory(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium);
   }
 
-  void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*, bool values_only) {
+  void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*) {
     const HoldSpan& all = run.plan.spans.front();  // the only one
     require_few_edges(sampled->clock_hz() * all.h * static_cast<double>(all.holds),
                       fmt::format("a clock of {} Hz", rounded_text(sampled->clock_hz())));
-    if (!values_only) jumps.resize(other.size());
-    run_sampled(*sampled, run.nodes, all.h, signal.data(), other.data(), all.holds, run.equilibrium,
-                values_only ? nullptr : jumps.data());
-    std::swap(signal, other);
+    run_sampled(*sampled, run.nodes, all.h, signal.data(), all.holds, run.equilibrium, held);
+    is_held = true;
+    if (run.equilibrium) run.rest = sampled->reset(run.rest, true);
   }
 };
 

@@ -178,6 +178,55 @@ TEST(Engines, SampleAndHoldOnItsOwnClock) {
   }
 }
 
+TEST(Engines, EveryHeldStepInFrontOfBranchesIsAMove) {
+  Chain chain{{make_block("sample_hold").set("clock_hz", 37.0),
+               make_block("polynomial_hysteresis")
+                   .set("ascending", std::vector<double>{0.4, -0.4, 0.0})
+                   .set("descending", std::vector<double>{-0.3, 0.3, 0.0})}};
+  const auto in = record_of(401, 0.005, [](double t) { return 0.5 - 0.4 * std::cos(8.2 * t); });
+  constexpr double kCorner = 2.0 * kPi * 30.0;
+  const auto straight = [&](double t) {
+    const auto k = std::min<std::size_t>(static_cast<std::size_t>(t / 0.005 + 1e-9), 399);
+    return in.u[k] + (in.u[k + 1] - in.u[k]) * (t / 0.005 - static_cast<double>(k));
+  };
+  // Edge by edge, and exponentials between them.
+  std::vector<double> shown, low;
+  double now = 0.0, u = -1.0, drive = 0.0, state = 0.0;
+  for (std::size_t i = 0, edge = 0; i < in.size(); ++i) {
+    const auto go_to = [&](double t) {
+      state = drive + (state - drive) * std::exp(-kCorner * (t - now));
+      now = t;
+    };
+    for (; static_cast<double>(edge) / 37.0 <= in.time_s(i) + 1e-12; ++edge) {
+      go_to(static_cast<double>(edge) / 37.0);
+      const double next = straight(now);
+      drive = next + (next > u ? 0.4 : -0.3) * next * (1.0 - next);
+      u = next;
+    }
+    go_to(in.time_s(i));
+    shown.push_back(drive);
+    low.push_back(state);
+  }
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(1)).y, shown), 1e-12);
+  EXPECT_LT(max_difference(simulate(chain, in, cvode(1e-12)).y, shown), 1e-11);
+  chain.blocks.push_back(make_block("lowpass").set("corner_hz", 30.0));
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(1)).y, low), 1e-5);
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(4)).y, low), 1e-8);
+  EXPECT_LT(max_difference(simulate(chain, in, cvode(1e-12)).y, low), 1e-10);
+}
+
+TEST(Engines, AClockedSectionAtRestRestsAtItsOwnGain) {
+  const Chain chain{{make_block("switched_capacitor")
+                         .set("clock_hz", 130.0)
+                         .set("z_numerator", std::vector<double>{2.0})
+                         .set("z_denominator", std::vector<double>{1.0}),
+                     make_block("lowpass").set("corner_hz", 3.0)}};
+  const auto in = record_of(101, 0.005, one);
+  for (const auto& options : {by_record(1, Start::equilibrium), cvode(1e-12, Start::equilibrium)}) {
+    for (const double y : simulate(chain, in, options).y) EXPECT_NEAR(y, 2.0, 1e-11);
+  }
+}
+
 TEST(Engines, FractionalTermMeetsItsStatedError) {
   Chain chain{{make_block("fractional_lead_lag").set("lambda_s", 0.05).set("x", 0.1).set("beta", 0.6)}};
   const auto in = record_of(401, 0.0025, two_sines);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/hertz_values.hpp"
 #include "chain/registry.hpp"
 
 namespace bodesmith::chain {
@@ -121,9 +122,7 @@ Block stage_block(const Disturbance& disturbance, Hertz operating) {
   const auto list = [](const std::array<double, 3>& a) { return std::vector<double>(a.begin(), a.end()); };
   out.set("ascending", list(disturbance.ascending)).set("descending", list(disturbance.descending));
   out.set_word("minor", "slope_sign").set("amplitude", 1.0);
-  std::vector<double> frequency;
-  for (const Hertz f : disturbance.rate.frequency) frequency.push_back(f.value);
-  out.set("rate_frequency_hz", frequency)
+  out.set("rate_frequency_hz", hertz_values(disturbance.rate.frequency))
       .set("rate_ascending", disturbance.rate.ascending)
       .set("rate_descending", disturbance.rate.descending)
       .set("operating_hz", operating.value);

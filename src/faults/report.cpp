@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/documents/json.hpp"
+#include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "numeric/index.hpp"
 #include "report/page.hpp"
@@ -78,9 +79,7 @@ std::string words_of(const Finding& finding) {
 }
 
 std::vector<double> frequencies(const Channel& channel) {
-  std::vector<double> out;
-  for (const Hertz f : channel.grid) out.push_back(f.value);
-  return out;
+  return hertz_values(channel.grid);
 }
 
 /// A response (from point `first` on) as two curves.

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "base/documents/json.hpp"
+#include "base/hertz_values.hpp"
 #include "fit/cascade/cascade_fit.hpp"
 #include "fit/direct/direct_fit.hpp"
 #include "fit/measured/measured_fit.hpp"
@@ -79,9 +80,7 @@ Json CascadeFit::to_json() const {
                                  {"worst_hz", e.worst.value},
                                  {"outside_db", e.outside_db}});
   }
-  Json below = Json::array();
-  for (const Hertz f : points_below_base) below.push_back(f.value);
-  fit["points_below_base_hz"] = below;
+  fit["points_below_base_hz"] = hertz_values(points_below_base);
   fit["warnings"] = warnings;
   return out;
 }

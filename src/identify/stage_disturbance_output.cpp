@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/documents/json.hpp"
+#include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "identify/stage_disturbance.hpp"
@@ -55,9 +56,7 @@ std::string StageDisturbance::gains_csv() const {
   for (const LoopAtFrequency& one : loops)
     largest_db = std::max(largest_db, to_decibel(1.0 + one.deviation[branch] / gain(one)[branch]));
   CsvWriter csv;
-  std::vector<double> frequency;
-  for (const Hertz f : disturbance.rate.frequency) frequency.push_back(f.value);
-  csv.add("frequency_hz", frequency);
+  csv.add("frequency_hz", hertz_values(disturbance.rate.frequency));
   csv.add("gain", disturbance.rate.of(varying()));
   return fmt::format(
              "# gains of the {} branch, relative to the lowest frequency, known to {} dB (one deviation)\n"

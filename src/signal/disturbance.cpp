@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/hertz_values.hpp"
 
 namespace bodesmith {
 namespace {
@@ -156,10 +157,9 @@ Json Disturbance::to_json() const {
         {"alpha", amplitude.alpha}, {"ascending", amplitude.ascending}, {"descending", amplitude.descending}};
   }
   if (!rate.frequency.empty()) {
-    std::vector<double> frequency;
-    for (const Hertz f : rate.frequency) frequency.push_back(f.value);
-    out["rate"] = {
-        {"frequency_hz", frequency}, {"ascending", rate.ascending}, {"descending", rate.descending}};
+    out["rate"] = {{"frequency_hz", hertz_values(rate.frequency)},
+                   {"ascending", rate.ascending},
+                   {"descending", rate.descending}};
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/hertz_values.hpp"
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/text.hpp"
@@ -276,9 +277,7 @@ Json to_json(const Result& result, const Options& options) {
   out["worst_percent"]["max"] = result.worst_percent.max;
   out["worst_case_db"] = result.worst_case_db;
   if (options.limit_db || options.limit_deg) out["yield"] = within_json(result, options);
-  Json frequencies = Json::array();
-  for (const Hertz f : result.grid) frequencies.push_back(f.value);
-  out["frequency_hz"] = frequencies;
+  out["frequency_hz"] = hertz_values(result.grid);
   out["magnitude_db"] = table_json(result.magnitude_db);
   out["phase_deg"] = table_json(result.phase_deg);
   out["ranking"] = Json::array();

@@ -12,11 +12,11 @@ namespace bodesmith::tracking {
 struct DriveWaveform {
   std::vector<double> v;  ///< evenly sampled over whole repeats of the reference, from its phase 0 on
   double step_s = 0.0;
+  std::vector<std::string> clipped = {};  ///< blocks of it that clipped on the way
 };
 
 /// A controller as it is built: an analog circuit run in ngspice, a board worked out tick by tick. A study asks it
-/// for the drive at every tracked frequency and gives that to a Stage; nothing else of it is known. The rooms that
-/// build controllers derive from this (or src/project/built_controllers wraps what they have).
+/// for the drive at every tracked frequency and gives that to a Stage; nothing else of it is known.
 class BuiltController {
  public:
   BuiltController() = default;

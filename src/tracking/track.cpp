@@ -98,17 +98,6 @@ Tracked displacement_of(const Plant& plant, const Design& design, const Options&
   return out;
 }
 
-/// What was tracked, judged: eq. 8 over all of y, its lag by the last repeat.
-void judge(const Tracked& waves, const std::vector<double>& last, double repeat_s, Case& out) {
-  const TrackingError all = plain_error(waves.displacement, waves.reference);
-  const TrackingError error = tracking_error(last, waves.reference, repeat_s);
-  out.check = waves.check;
-  out.rms_percent = all.rms_percent;
-  out.max_percent = all.max_percent;
-  out.lag_s = error.lag_s;
-  out.rms_percent_without_lag = error.rms_percent_without_lag;
-}
-
 void keep_waveforms(const std::vector<double>& x, const std::vector<double>& y, double period, double stroke,
                     std::size_t count, Case& out) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -139,7 +128,11 @@ std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& design
     Case& c = out.emplace_back();
     c.frequency = frequency;
     c.design = design.name;
-    judge(waves, last, period, c);
+    static_cast<TrackingError&>(c) = plain_error(waves.displacement, waves.reference);
+    const TrackingError settled = tracking_error(last, waves.reference, period);
+    c.lag_s = settled.lag_s;
+    c.rms_percent_without_lag = settled.rms_percent_without_lag;
+    c.check = waves.check;
     if (options.also_on_reference) {
       const std::vector<double> y = periodic.displacement(states.back().drive, Options::Argument::reference);
       c.on_reference_percent = plain_error(y, periodic.reference()).rms_percent;

@@ -87,14 +87,10 @@ struct Options {
   std::size_t keep_samples = 400;    ///< samples a period of the waveforms kept in the report
 };
 
-/// One design at one frequency.
-struct Case {
+/// One design at one frequency: eq. 8 over all that was simulated, its lag by the last repeat.
+struct Case : TrackingError {
   Hertz frequency;
   std::string design;
-  double rms_percent = 0.0;  ///< eq. 8, nothing removed
-  double max_percent = 0.0;  ///< largest |y - stroke x| in percent of range
-  double lag_s = 0.0;        ///< the pure delay of the reference that makes the rms smallest
-  double rms_percent_without_lag = 0.0;
   double waveform_rms_percent = 0.0;  ///< rms of c against the disturbance the stage adds, percent of stroke
   /// What rms_percent would be if the stage read the reference; by the harmonic computation.
   std::optional<double> on_reference_percent;

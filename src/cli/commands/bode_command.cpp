@@ -6,6 +6,7 @@
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/hertz_values.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
@@ -116,11 +117,7 @@ class BodePicture {
     return log_grid({grid.front(), grid.back()}, static_cast<int>(kDense));
   }
 
-  static std::vector<double> hertz_of(const std::vector<Hertz>& grid) {
-    std::vector<double> out;
-    for (const Hertz f : grid) out.push_back(f.value);
-    return out;
-  }
+  static std::vector<double> hertz_of(const std::vector<Hertz>& grid) { return hertz_values(grid); }
 
   void add(int number, const LevelAndPhase* known) {
     const ResponseSource& source = sources_[static_cast<std::size_t>(number)];

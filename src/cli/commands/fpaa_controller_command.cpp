@@ -18,7 +18,7 @@
 #include "fpaa/controller/scale.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/streams/stream_output.hpp"
-#include "project/design/board_controller.hpp"
+#include "project/tracking/board_controller.hpp"
 #include "tracking/stage.hpp"
 
 namespace bodesmith::cli {
@@ -130,7 +130,8 @@ std::string controller_text(const fpaa::Controller& controller, const project::B
   for (const project::BoardTrackingRow& row : tracking.rows) {
     out += fmt::format("\n  {:<44}", row.name);
     if (row.why_not) out += "  " + *row.why_not;
-    for (const double percent : row.rms_percent) out += fmt::format("{:>9.3f}", percent);
+    for (const tracking::TrackingError& at : row.at)
+      out += fmt::format("{:>9.3f}", at.rms_percent_without_lag);
     if (!row.clipped.empty()) out += "  clips: " + join(row.clipped, ", ");
   }
   const fpaa::ControllerVariant& v = controller.best();

@@ -10,6 +10,7 @@
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/hertz_values.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
@@ -372,14 +373,11 @@ int run_yield(const std::vector<std::string>& arguments) {
     min_yield = std::min(min_yield, yield_percent(results[i]));
   }
   if (!nulls.empty()) {
-    Json list = Json::array();
-    std::string places;
-    for (const Hertz f : nulls) list.push_back(f.value);
-    places = engineering_text(nulls.front().value, "Hz", 4);
+    std::string places = engineering_text(nulls.front().value, "Hz", 4);
     if (nulls.size() > 1)
       places = fmt::format("{} frequencies from {} to {}", nulls.size(), places,
                            engineering_text(nulls.back().value, "Hz", 4));
-    json["left_out_hz"] = list;
+    json["left_out_hz"] = hertz_values(nulls);
     text += fmt::format("  left out where the response is below {} dB of its largest:\n    {}\n",
                         rounded_text(to_decibel(kJudgedFloor)), places);
   }

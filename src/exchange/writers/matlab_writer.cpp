@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/hertz_values.hpp"
 #include "base/temporary.hpp"
 #include "exchange/writer.hpp"
 
@@ -77,9 +78,7 @@ class MatlabWriter : public Writer {
       said.emplace_back("z, p in rad/s, k, delay_s: H = k prod(s - z)/prod(s - p) exp(-s delay_s)");
     }
     if (from.response) {
-      std::vector<double> frequency;
-      for (const Hertz f : from.response->frequency) frequency.push_back(f.value);
-      out.add("f", std::move(frequency));
+      out.add("f", hertz_values(from.response->frequency));
       out.add("H", from.response->response);
       said.emplace_back("f in Hz, H complex");
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/hertz_values.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
@@ -14,9 +15,7 @@ using report::Series;
 
 std::string stages_csv(const std::vector<DesignStage>& stages, const std::vector<Hertz>& grid) {
   CsvWriter csv;
-  std::vector<double> hertz;
-  for (const Hertz f : grid) hertz.push_back(f.value);
-  csv.add(column::frequency_hz, hertz);
+  csv.add(column::frequency_hz, hertz_values(grid));
   for (const DesignStage& stage : stages) {
     std::vector<double> db;
     std::vector<double> degrees;

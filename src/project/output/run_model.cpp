@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/hertz_values.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
 #include "synthesis/controller/at_rest.hpp"
@@ -33,8 +34,7 @@ Block called(Block block, const char* name) {
 Block loop_of(const controller::AnalogController& controller, const Disturbance& disturbance, Hertz operating,
               const schematic::Deviations& off) {
   controller::BuiltGenerator built(controller, off);
-  std::vector<double> frequency;
-  for (const Hertz f : disturbance.rate.frequency) frequency.push_back(f.value);
+  const std::vector<double> frequency = hertz_values(disturbance.rate.frequency);
   Block out = make_block("loop");
   for (const auto& [which, list, constant, rates] :
        {std::tuple{Branch::ascending, "ascending", "constant_ascending", "rate_ascending"},

@@ -119,7 +119,7 @@ std::string tracking_text(const TrackingStudy& tracking) {
   out += " Hz\n";
   for (const TrackedDesign& tracked : tracking.designs) {
     out += fmt::format(" {}{:<45}", tracked.built ? "*" : " ", tracked.name);
-    for (const double value : tracked.rms_percent) out += fmt::format(" {:>8.3f}", value);
+    for (const tracking::TrackingError& one : tracked.at) out += fmt::format(" {:>8.3f}", one.rms_percent);
     out += "\n";
   }
   out += elsewhere_text(tracking);

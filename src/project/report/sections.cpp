@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "project/report/report_chapters.hpp"
 #include "project/run.hpp"
@@ -52,10 +53,9 @@ report::Plot tracked_plot(const ProjectRun& run, std::size_t index) {
   out.x = {"frequency, Hz", true};
   out.y = {"% of range", true};
   out.height = 240;
-  std::vector<double> hertz;
-  for (const Hertz f : run.tracking.frequency) hertz.push_back(f.value);
   const auto add = [&](const std::string& name, const Alternative& one, int colour) {
-    out.series.push_back({name, hertz, one.tracked_at_percent, report::Series::Style::line, colour});
+    out.series.push_back({name, hertz_values(run.tracking.frequency), one.tracked_at_percent,
+                          report::Series::Style::line, colour});
   };
   add("this alternative", run.design.alternatives[index], 0);
   add("the one that is built", run.design.built(), 6);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "project/run.hpp"
 #include "project/tracking/engines.hpp"
@@ -17,7 +18,8 @@ report::Table tracking_table(const TrackingStudy& study) {
   for (const Hertz f : study.frequency) table.head.push_back(rounded_text(f.value) + " Hz");
   for (const TrackedDesign& design : study.designs) {
     table.rows.push_back({design.name});
-    for (const double value : design.rms_percent) table.rows.back().push_back(fmt::format("{:.3f}", value));
+    for (const tracking::TrackingError& one : design.at)
+      table.rows.back().push_back(fmt::format("{:.3f}", one.rms_percent));
   }
   return table;
 }
@@ -34,10 +36,9 @@ report::Plot tracking_plot(const TrackingStudy& study) {
   plot.title = "rms tracking error over the operating frequency";
   plot.x = {"frequency, Hz", true};
   plot.y = {"% of range", true};
-  std::vector<double> hertz;
-  for (const Hertz f : study.frequency) hertz.push_back(f.value);
   for (const TrackedDesign& design : study.designs) {
-    plot.series.push_back({design.name, hertz, design.rms_percent});
+    plot.series.push_back(
+        {design.name, hertz_values(study.frequency), design.each(&tracking::TrackingError::rms_percent)});
     plot.series.back().shown = is_shown_first(study, design);
   }
   return plot;

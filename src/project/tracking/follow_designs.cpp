@@ -33,8 +33,9 @@ std::string frequency_list(const std::vector<Hertz>& frequencies) {
 /// The magnitude is met, and yet the waveform may get worse. Pure delay is not the compensator's doing: figures without
 /// it.
 Findings cascade_worse_than_constant(const Budget& budget, const TrackingStudy& study) {
-  const std::vector<double>& constant = study.find(tracked::polynomial)->rms_percent_without_lag;
-  const std::vector<double>& cascade = study.find(tracked::cascade)->rms_percent_without_lag;
+  const auto without_lag = &tracking::TrackingError::rms_percent_without_lag;
+  const std::vector<double> constant = study.find(tracked::polynomial)->each(without_lag);
+  const std::vector<double> cascade = study.find(tracked::cascade)->each(without_lag);
   std::vector<Hertz> worse;
   std::size_t worst = 0;
   for (std::size_t i = 0; i < study.frequency.size(); ++i) {
@@ -68,8 +69,8 @@ Findings what_the_drive_changes(const TrackingStudy& study) {
       "The stage reads its drive: v = r - d(r) leaves {} % of range rms at {} Hz, where an evaluation of the stage on the "
       "reference says {} %. The generator fed by its own drive, v = r - d(v), takes no more multipliers and leaves "
       "{} % there.",
-      rounded_text(one->rms_percent.front(), 3), rounded_text(study.frequency.front().value),
-      rounded_text(one->on_reference_percent.front(), 2), rounded_text(loop->rms_percent.front(), 2))};
+      rounded_text(one->at.front().rms_percent, 3), rounded_text(study.frequency.front().value),
+      rounded_text(one->on_reference_percent.front(), 2), rounded_text(loop->at.front().rms_percent, 2))};
 }
 
 /// A filter shifts the phase whatever its order; a gain driven by the frequency does not.
@@ -115,7 +116,7 @@ Findings worse_than_constant(const TrackingStudy& study) {
   if (built == nullptr || constant == nullptr || built == constant) return {};
   std::vector<Hertz> worse;
   for (std::size_t i = 0; i < study.frequency.size(); ++i) {
-    if (built->rms_percent_without_lag[i] > 1.02 * constant->rms_percent_without_lag[i])
+    if (built->at[i].rms_percent_without_lag > 1.02 * constant->at[i].rms_percent_without_lag)
       worse.push_back(study.frequency[i]);
   }
   if (worse.empty()) return {};
@@ -186,24 +187,6 @@ std::vector<std::string> tracking_findings(const Project& project, const Design&
         beyond_the_known_gains(project, study), few_samples_a_period(design, study),
         what_is_assumed(project)}) {
     out.insert(out.end(), some.begin(), some.end());
-  }
-  return out;
-}
-
-TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vector<Hertz>& frequencies,
-                             const tracking::Report& report) {
-  TrackedDesign out;
-  out.key = candidate.key;
-  out.name = candidate.design.name;
-  out.built = candidate.built;
-  out.parts = candidate.parts;
-  for (const Hertz f : frequencies) {
-    const tracking::Case* found = report.find(f, out.name);
-    out.rms_percent.push_back(found->rms_percent);
-    out.max_percent.push_back(found->max_percent);
-    out.rms_percent_without_lag.push_back(found->rms_percent_without_lag);
-    out.lag_s.push_back(found->lag_s);
-    out.on_reference_percent.push_back(found->on_reference_percent.value());
   }
   return out;
 }
@@ -286,13 +269,6 @@ TrackingStudy tracking_study(const Project& project, const Design& design, const
   study.elsewhere = std::move(elsewhere);
   study.findings = tracking_findings(project, design, budget, candidates, report, study);
   return study;
-}
-
-TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget) {
-  const std::vector<TrackedCandidate> candidates = tracked_candidates(project, design);
-  const ControllersTracked none = track_controllers(project, {});
-  return tracking_study(project, design, budget, candidates, follow_designs(project, candidates), none,
-                        tracked_elsewhere(project, candidates, none));
 }
 
 }  // namespace bodesmith::project

@@ -16,7 +16,4 @@ TrackingStudy tracking_study(const Project& project, const Design& design, const
                              const std::vector<TrackedCandidate>& candidates, const tracking::Report& report,
                              const ControllersTracked& controllers, std::vector<TrackedElsewhere> elsewhere);
 
-/// All of it, one after the other, without built controllers.
-TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget);
-
 }  // namespace bodesmith::project

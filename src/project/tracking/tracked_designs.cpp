@@ -186,4 +186,15 @@ std::vector<TrackedCandidate> tracked_candidates(const Project& project, const D
   return Collector(project, design).all();
 }
 
+TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vector<Hertz>& frequencies,
+                             const tracking::Report& report) {
+  TrackedDesign out{candidate.key, candidate.design.name, candidate.built, candidate.parts, {}, {}};
+  for (const Hertz f : frequencies) {
+    const tracking::Case& found = *report.find(f, out.name);
+    out.at.push_back(found);
+    if (found.on_reference_percent) out.on_reference_percent.push_back(*found.on_reference_percent);
+  }
+  return out;
+}
+
 }  // namespace bodesmith::project

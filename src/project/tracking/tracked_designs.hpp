@@ -25,4 +25,8 @@ struct TrackedCandidate {
 /// designed and as built, and with gains by the known frequency, by the measured slope, and beside the filter.
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design);
 
+/// What became of it.
+TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vector<Hertz>& frequencies,
+                             const tracking::Report& report);
+
 }  // namespace bodesmith::project

@@ -1,14 +1,16 @@
 #include "project/tracking/tracking_elsewhere.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
+#include <map>
+#include <utility>
 
 #include "base/progress.hpp"
 #include "fpaa/controller/controller.hpp"
 #include "hysteresis/model_type.hpp"
 #include "numeric/parallel_for.hpp"
-#include "project/design/board_controller.hpp"
 #include "project/output/run_model.hpp"
+#include "project/tracking/board_controller.hpp"
 #include "project/tracking/tracked_plant.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "signal/statistics.hpp"
@@ -30,44 +32,15 @@ bool followed_elsewhere(const TrackedCandidate& candidate) {
   return false;
 }
 
-void append(const tracking::TrackingError& error, TrackedDesign& to) {
-  to.rms_percent.push_back(error.rms_percent);
-  to.max_percent.push_back(error.max_percent);
-  to.rms_percent_without_lag.push_back(error.rms_percent_without_lag);
-  to.lag_s.push_back(error.lag_s);
-}
-
-/// One controller on one stage along one reference, all frequencies.
-TrackedDesign controller_on(const ControllerDrives& controller, const Stage& stage, Reference::Shape shape,
-                            double amplitude, const std::vector<Hertz>& frequencies) {
-  TrackedDesign out;
-  out.key = controller.controller->key();
-  out.name = controller.controller->name();
-  out.built = true;
-  out.parts = controller.controller->part_count();
-  for (const Hertz f : frequencies) {
-    const ControllerDrives::One& one = *controller.find(shape, amplitude, f);
-    const std::vector<double>& v = one.drive.v;
-    const double repeat = static_cast<double>(one.reference.periods()) / f.value;
-    const double repeats =
-        std::max(1.0, std::round(static_cast<double>(v.size()) * one.drive.step_s / repeat));
-    const auto samples = static_cast<std::size_t>(static_cast<double>(v.size()) / repeats);
-    append(tracking::tracking_error(stage.response(v, one.drive.step_s, f), one.reference.samples(samples),
-                                    repeat),
-           out);
-  }
-  return out;
-}
-
 /// The ideal ways of compensating, without the built controllers.
 TrackedElsewhere followed(const Project& project, const ElsewhereTask& task,
                           const std::vector<TrackedCandidate>& candidates) {
-  TrackedElsewhere out{task.name, task.waveform, task.amplitude, {}, {}};
+  TrackedElsewhere out{task.name, task.reference.shape(), task.reference.alpha(), {}, {}};
   tracking::Plant plant = tracking_plant(project);
   plant.stage = task.stage;
   tracking::Options options = tracking_options(project);
-  options.reference = task.waveform;
-  options.alpha = task.amplitude;
+  options.reference = out.waveform;
+  options.alpha = out.amplitude;
   options.time_domain = false;
   options.harmonics = 2048;
   std::vector<tracking::Design> designs;
@@ -76,20 +49,30 @@ TrackedElsewhere followed(const Project& project, const ElsewhereTask& task,
   const tracking::Report report = tracking::track(plant, designs, options);
   for (const TrackedCandidate& candidate : candidates) {
     if (!followed_elsewhere(candidate)) continue;
-    TrackedDesign design;
-    design.key = candidate.key;
-    design.name = candidate.design.name;
-    for (const Hertz f : options.frequencies) {
-      const tracking::Case* found = report.find(f, design.name);
-      append({found->rms_percent, found->max_percent, 0.0, found->lag_s, found->rms_percent_without_lag},
-             design);
-    }
-    out.designs.push_back(std::move(design));
+    out.designs.push_back(tracked_design(candidate, options.frequencies, report));
+    out.designs.back().built = false;  // what is built is told where it is chosen
   }
   if (task.identified != nullptr) {
     for (const Hertz f : options.frequencies)
       out.fit_percent.push_back(task.identified->fit(f).full_stroke_percent);
   }
+  return out;
+}
+
+using ReferenceKey = std::pair<Reference::Shape, double>;
+ReferenceKey key_of(const Reference& reference) {
+  return {reference.shape(), reference.alpha()};
+}
+
+Reference main_reference(const Project& project) {
+  return Reference(project.track.waveform(), project.track.amplitude());
+}
+
+/// Every waveform at every amplitude.
+std::vector<Reference> references(const Project& project) {
+  std::vector<Reference> out;
+  for (const Reference::Shape waveform : project.track.waveforms)
+    for (const double amplitude : project.track.amplitudes) out.emplace_back(waveform, amplitude);
   return out;
 }
 
@@ -111,30 +94,40 @@ std::vector<ElsewhereTask> all_tasks(const Project& project) {
         hysteresis::model_type_registry().get(family.name), plant.disturbance, plant.paths(), options));
   }
   std::vector<ElsewhereTask> out;
-  for (const Reference::Shape waveform : project.track.waveforms) {
-    for (const double amplitude : project.track.amplitudes) {
-      const bool main = waveform == project.track.waveform() && amplitude == project.track.amplitude();
-      tracking::PolynomialStage::Options options;
-      options.alpha = amplitude;
-      if (!main) {
-        out.push_back({"polynomial",
-                       std::make_shared<tracking::PolynomialStage>(plant.disturbance, plant.paths(), options),
-                       nullptr, waveform, amplitude});
-        options.rule = tracking::PolynomialStage::Rule::nested;
-        out.push_back({"polynomial_nested",
-                       std::make_shared<tracking::PolynomialStage>(plant.disturbance, plant.paths(), options),
-                       nullptr, waveform, amplitude});
-      }
-      for (const auto& family : families)
-        out.push_back({family->name(), family, family.get(), waveform, amplitude});
+  for (const Reference& reference : references(project)) {
+    tracking::PolynomialStage::Options options;
+    options.alpha = reference.alpha();
+    const auto polynomial = [&] {
+      return std::make_shared<tracking::PolynomialStage>(plant.disturbance, plant.paths(), options);
+    };
+    if (key_of(reference) != key_of(main_reference(project))) {
+      out.push_back({"polynomial", polynomial(), nullptr, reference});
+      options.rule = tracking::PolynomialStage::Rule::nested;
+      out.push_back({"polynomial_nested", polynomial(), nullptr, reference});
     }
+    for (const auto& family : families) out.push_back({family->name(), family, family.get(), reference});
   }
   return out;
 }
 
+/// A controller, and its drives along the references that it is asked for.
+struct RunningController {
+  std::unique_ptr<tracking::BuiltController> controller;
+  bool built = true;       ///< stands for what is built
+  bool everywhere = true;  ///< along all of the project's references; else along its first alone
+  std::map<ReferenceKey, std::vector<tracking::DriveWaveform>> drives = {};  ///< one a frequency
+
+  TrackedDesign on(const Stage& stage, const Reference& reference,
+                   const std::vector<Hertz>& frequencies) const {
+    TrackedDesign out =
+        tracked_controller(*controller, stage, reference, frequencies, drives.at(key_of(reference)));
+    out.built = built;
+    return out;
+  }
+};
+
 /// The controller on the board fed by its own drive, in every way to make the polynomials that fits.
-void add_board_controllers(const Project& project,
-                           std::vector<std::unique_ptr<tracking::BuiltController>>& out) {
+void add_board_controllers(const Project& project, std::vector<RunningController>& out) {
   fpaa::ControllerOptions options;
   options.board = project.fpaa->board;
   const Disturbance& disturbance = project.target.disturbance;
@@ -143,124 +136,81 @@ void add_board_controllers(const Project& project,
   if (board == nullptr) return;
   for (const fpaa::ControllerVariant& variant : board->variants) {
     if (!variant.fits() || variant.structure != fpaa::ControllerStructure::loop) continue;
-    out.push_back(std::make_unique<BoardController>(variant, disturbance));
+    out.push_back({std::make_unique<BoardController>(variant, disturbance)});
   }
 }
 
-/// Every controller of the project that can be run here: the analog one where there is one and ngspice is installed; where
-/// tracking decides, those of the board, fed by their own drive.
-std::vector<std::unique_ptr<tracking::BuiltController>> built_controllers(
+/// The analog controller first, in ngspice, which stands for what is built where it is installed; last by CVODE and at rest.
+std::vector<RunningController> running_controllers(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
-  std::vector<std::unique_ptr<tracking::BuiltController>> out;
-  if (project.circuit && analog && ngspice::is_available())
-    out.push_back(std::make_unique<controller::CircuitController>(analog, controller::NgspiceRun::of_many()));
+  const bool ngspice = ngspice::is_available(), circuit = project.circuit && analog;
+  std::vector<RunningController> out;
+  if (circuit && ngspice)
+    out.push_back(
+        {std::make_unique<controller::CircuitController>(analog, controller::NgspiceRun::of_many())});
   if (project.fpaa && project.choice == Project::Choice::tracking) add_board_controllers(project, out);
+  if (circuit) {
+    out.push_back({std::make_unique<controller::CircuitController>(analog, std::nullopt), !ngspice, false});
+    out.push_back({controller_at_rest(project, analog), false, false});
+  }
   return out;
 }
 
-}  // namespace
-
-const ControllerDrives::One* ControllerDrives::find(Reference::Shape shape, double amplitude,
-                                                    Hertz operating) const {
-  const auto found = std::find_if(drives.begin(), drives.end(), [&](const One& one) {
-    return one.reference.shape() == shape && one.reference.alpha() == amplitude && one.operating == operating;
-  });
-  return found == drives.end() ? nullptr : &*found;
-}
-
-std::vector<ControllerDrives> controller_drives(const Project& project, const BuiltControllers& controllers) {
-  std::vector<ControllerDrives> out;
-  std::vector<std::pair<std::size_t, std::size_t>> all;
-  for (const tracking::BuiltController* controller : controllers) {
-    ControllerDrives& drives = out.emplace_back();
-    drives.controller = controller;
-    for (const Reference::Shape waveform : project.track.waveforms) {
-      for (const double amplitude : project.track.amplitudes) {
-        for (const Hertz f : project.track.frequency) {
-          all.emplace_back(out.size() - 1, drives.drives.size());
-          drives.drives.push_back({Reference(waveform, amplitude), f, {}});
-        }
-      }
+void make_drives(const Project& project, std::vector<RunningController>& controllers) {
+  const std::vector<Hertz>& frequencies = project.track.frequency;
+  std::vector<std::function<void()>> all;
+  for (RunningController& one : controllers) {
+    for (const Reference& reference :
+         one.everywhere ? references(project) : std::vector{main_reference(project)}) {
+      auto& drives = one.drives[key_of(reference)];
+      drives.resize(frequencies.size());
+      for (std::size_t i = 0; i < frequencies.size(); ++i)
+        all.emplace_back([&, reference, i] { drives[i] = one.controller->drive(reference, frequencies[i]); });
     }
   }
   parallel_for(all.size(), thread_count(0), [&](std::size_t i) {
     stop_if_interrupted();
-    ControllerDrives& drives = out[all[i].first];
-    ControllerDrives::One& one = drives.drives[all[i].second];
-    one.drive = drives.controller->drive(one.reference, one.operating);
+    all[i]();
   });
   stop_if_interrupted();
-  return out;
-}
-
-ControllersTracked track_controllers(const Project& project, const BuiltControllers& controllers) {
-  const std::vector<ControllerDrives> drives = controller_drives(project, controllers);
-  const tracking::PolynomialStage own = own_stage(project);
-  ControllersTracked out;
-  out.here.resize(drives.size());
-  if (!project.deadline.passed()) out.tasks = all_tasks(project);
-  const std::size_t count = out.tasks.size();
-  out.elsewhere.assign(count, std::vector<TrackedDesign>(drives.size()));
-  // The families' stages first: they are identified where they are first asked.
-  parallel_for((count + 1) * drives.size(), thread_count(0), [&](std::size_t i) {
-    stop_if_interrupted();
-    const std::size_t c = i / (count + 1), t = i % (count + 1);
-    if (t == count) {
-      out.here[c] = controller_on(drives[c], own, project.track.waveform(), project.track.amplitude(),
-                                  project.track.frequency);
-    } else {
-      const ElsewhereTask& task = out.tasks[t];
-      out.elsewhere[t][c] =
-          controller_on(drives[c], *task.stage, task.waveform, task.amplitude, project.track.frequency);
-    }
-  });
-  out.drives = drives;
-  return out;
-}
-
-namespace {
-
-/// The netlist by CVODE and at rest beside what ngspice makes of it, which stands for what is built where it is installed.
-void add_checks(const Project& project, const std::shared_ptr<const controller::AnalogController>& analog,
-                ControllersTracked& out) {
-  const controller::CircuitController in_time(analog, std::nullopt);
-  const auto at_rest = controller_at_rest(project, analog);
-  const Reference::Shape shape = project.track.waveform();
-  const double amplitude = project.track.amplitude();
-  std::vector<ControllerDrives> checks = {{&in_time, {}}, {at_rest.get(), {}}};
-  for (ControllerDrives& one : checks) {
-    for (const Hertz f : project.track.frequency) one.drives.push_back({Reference(shape, amplitude), f, {}});
-  }
-  const std::size_t count = project.track.frequency.size();
-  parallel_for(2 * count, thread_count(0), [&](std::size_t i) {
-    stop_if_interrupted();
-    ControllerDrives::One& one = checks[i / count].drives[i % count];
-    one.drive = checks[i / count].controller->drive(one.reference, one.operating);
-  });
-  const bool ngspice = ngspice::is_available();
-  const tracking::PolynomialStage own = own_stage(project);
-  for (const ControllerDrives& one : checks) {
-    out.here.push_back(controller_on(one, own, shape, amplitude, project.track.frequency));
-    out.here.back().built = !ngspice && &one == checks.data();
-  }
-  for (const ControllerDrives::One& one : checks.front().drives) {
-    if (!ngspice) break;
-    const auto& v = out.drives.front().find(shape, amplitude, one.operating)->drive.v;
-    out.agreement_percent =
-        std::max(out.agreement_percent.value_or(0.0), 100.0 * error_figures(one.drive.v, v).rms / amplitude);
-  }
 }
 
 }  // namespace
 
 ControllersTracked track_built_controllers(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
-  const auto controllers = built_controllers(project, analog);
-  BuiltControllers running;
-  for (const auto& controller : controllers) running.push_back(controller.get());
-  ControllersTracked out = track_controllers(project, running);
-  if (project.circuit && analog) add_checks(project, analog, out);
-  out.drives.clear();  // they refer to controllers that end here
+  std::vector<RunningController> controllers = running_controllers(project, analog);
+  make_drives(project, controllers);
+  const std::vector<Hertz>& frequencies = project.track.frequency;
+  const Reference main = main_reference(project);
+  const tracking::PolynomialStage own = own_stage(project);
+  ControllersTracked out;
+  out.here.resize(controllers.size());
+  if (!project.deadline.passed()) out.tasks = all_tasks(project);
+  const std::size_t count = out.tasks.size();
+  out.elsewhere.resize(count);
+  for (std::vector<TrackedDesign>& row : out.elsewhere)
+    row.resize(
+        static_cast<std::size_t>(std::ranges::count(controllers, true, &RunningController::everywhere)));
+  // The families' stages first: they are identified where they are first asked.
+  parallel_for((count + 1) * controllers.size(), thread_count(0), [&](std::size_t i) {
+    stop_if_interrupted();
+    const std::size_t c = i / (count + 1), t = i % (count + 1);
+    if (t == count) {
+      out.here[c] = controllers[c].on(own, main, frequencies);
+    } else if (controllers[c].everywhere) {
+      out.elsewhere[t][c] = controllers[c].on(*out.tasks[t].stage, out.tasks[t].reference, frequencies);
+    }
+  });
+  if (project.circuit && analog && ngspice::is_available()) {
+    const auto drives = [&](const RunningController& one) { return one.drives.at(key_of(main)); };
+    const auto by_ngspice = drives(controllers.front()),
+               by_cvode = drives(controllers[controllers.size() - 2]);
+    out.agreement_percent = 0.0;
+    for (std::size_t i = 0; i < frequencies.size(); ++i)
+      out.agreement_percent = std::max(
+          *out.agreement_percent, 100.0 * error_figures(by_cvode[i].v, by_ngspice[i].v).rms / main.alpha());
+  }
   return out;
 }
 

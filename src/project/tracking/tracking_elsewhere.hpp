@@ -11,32 +11,12 @@
 
 namespace bodesmith::project {
 
-/// The drives that one built controller made: for every tracked frequency, waveform and amplitude that it was asked
-/// for.
-struct ControllerDrives {
-  const tracking::BuiltController* controller = nullptr;
-  struct One {
-    tracking::Reference reference;
-    Hertz operating;
-    tracking::DriveWaveform drive;
-  };
-  std::vector<One> drives;
-
-  const One* find(tracking::Reference::Shape shape, double amplitude, Hertz operating) const;
-};
-
-using BuiltControllers = std::vector<const tracking::BuiltController*>;
-
-/// Every controller at every frequency, waveform and amplitude; several at a time.
-std::vector<ControllerDrives> controller_drives(const Project& project, const BuiltControllers& controllers);
-
 /// One combination of stage and reference other than the project's first.
 struct ElsewhereTask {
   std::string name;
   std::shared_ptr<const tracking::Stage> stage;
   const tracking::IdentifiedStage* identified = nullptr;  ///< the stage, where it is of another family
-  tracking::Reference::Shape waveform = tracking::Reference::Shape::triangle;
-  double amplitude = 1.0;
+  tracking::Reference reference;
 };
 
 /// What the built controllers do on every stage, which needs no design.
@@ -44,12 +24,10 @@ struct ControllersTracked {
   std::vector<TrackedDesign> here;                    ///< on the project's own stage
   std::vector<ElsewhereTask> tasks;                   ///< none when there was no time
   std::vector<std::vector<TrackedDesign>> elsewhere;  ///< one row a task
-  std::vector<ControllerDrives> drives;
   /// Greatest rms difference between the drives that ngspice and CVODE find of the analog controller, percent of range;
   /// absent without ngspice.
   std::optional<double> agreement_percent;
 };
-ControllersTracked track_controllers(const Project& project, const BuiltControllers& controllers);
 /// Every controller of the project that can be run here: the analog one in ngspice where that is installed and, along the
 /// project's first reference alone, by CVODE and at rest; where tracking decides, those of the board, fed by their own drive.
 ControllersTracked track_built_controllers(const Project& project,

@@ -1,27 +1,28 @@
+#include "project/tracking/tracking_study.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/documents/json.hpp"
-#include "project/tracking/tracking_study.hpp"
+#include "base/hertz_values.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::project {
 namespace {
 
-std::vector<double> tracked_hertz(const TrackingStudy& study) {
-  std::vector<double> out;
-  for (const Hertz f : study.frequency) out.push_back(f.value);
-  return out;
-}
+using tracking::TrackingError;
 
 Json design_json(const TrackedDesign& design) {
   Json out = {{"key", design.key},
               {"name", design.name},
               {"built", design.built},
-              {"rms_percent", design.rms_percent},
-              {"max_percent", design.max_percent},
-              {"rms_percent_without_lag", design.rms_percent_without_lag},
-              {"lag_s", design.lag_s}};
+              {"rms_percent", design.each(&TrackingError::rms_percent)},
+              {"max_percent", design.each(&TrackingError::max_percent)},
+              {"rms_percent_without_lag", design.each(&TrackingError::rms_percent_without_lag)},
+              {"lag_s", design.each(&TrackingError::lag_s)}};
   if (!design.on_reference_percent.empty()) out["rms_percent_on_reference"] = design.on_reference_percent;
   return out;
 }
@@ -38,7 +39,7 @@ Json elsewhere_json(const TrackedElsewhere& one) {
 
 Json to_json(const TrackingStudy& study) {
   Json out;
-  out["frequency_hz"] = tracked_hertz(study);
+  out["frequency_hz"] = hertz_values(study.frequency);
   out["waveform"] = to_string(study.waveform);
   out["amplitude"] = study.amplitude;
   out["as_built"] = study.as_built;
@@ -69,10 +70,11 @@ Json to_json(const TrackingStudy& study) {
 
 std::string tracking_csv(const TrackingStudy& study) {
   CsvWriter writer;
-  writer.add(column::frequency_hz, tracked_hertz(study));
-  for (const TrackedDesign& design : study.designs) writer.add(design.key + "_percent", design.rms_percent);
+  writer.add(column::frequency_hz, hertz_values(study.frequency));
   for (const TrackedDesign& design : study.designs)
-    writer.add(design.key + "_without_lag_percent", design.rms_percent_without_lag);
+    writer.add(design.key + "_percent", design.each(&TrackingError::rms_percent));
+  for (const TrackedDesign& design : study.designs)
+    writer.add(design.key + "_without_lag_percent", design.each(&TrackingError::rms_percent_without_lag));
   for (const TrackedDesign& design : study.designs) {
     if (!design.on_reference_percent.empty())
       writer.add(design.key + "_on_reference_percent", design.on_reference_percent);
@@ -87,8 +89,8 @@ std::string tracking_stages_csv(const TrackingStudy& study) {
     for (const TrackedDesign& design : one.designs) {
       for (std::size_t i = 0; i < study.frequency.size(); ++i) {
         out += fmt::format("{},{},{},{},{},{:.6g},{:.6g},", one.stage, to_string(one.waveform), one.amplitude,
-                           study.frequency[i].value, design.key, design.rms_percent[i],
-                           design.rms_percent_without_lag[i]);
+                           study.frequency[i].value, design.key, design.at[i].rms_percent,
+                           design.at[i].rms_percent_without_lag);
         if (!one.fit_percent.empty()) out += fmt::format("{:.6g}", one.fit_percent[i]);
         out += "\n";
       }
@@ -97,12 +99,35 @@ std::string tracking_stages_csv(const TrackingStudy& study) {
   return out;
 }
 
+std::vector<double> TrackedDesign::each(double TrackingError::*figure) const {
+  std::vector<double> out;
+  for (const TrackingError& one : at) out.push_back(one.*figure);
+  return out;
+}
+
 double TrackedDesign::worst_percent() const {
-  return *std::max_element(rms_percent.begin(), rms_percent.end());
+  return at.empty() ? INFINITY : std::ranges::max(at, {}, &TrackingError::rms_percent).rms_percent;
 }
 
 double TrackedDesign::worst_without_lag_percent() const {
-  return *std::max_element(rms_percent_without_lag.begin(), rms_percent_without_lag.end());
+  const auto without_lag = &TrackingError::rms_percent_without_lag;
+  return at.empty() ? INFINITY : std::ranges::max(at, {}, without_lag).*without_lag;
+}
+
+TrackedDesign tracked_controller(const tracking::BuiltController& controller, const tracking::Stage& stage,
+                                 const tracking::Reference& reference, const std::vector<Hertz>& frequencies,
+                                 const std::vector<tracking::DriveWaveform>& drives) {
+  TrackedDesign out{controller.key(), controller.name(), true, controller.part_count(), {}, {}};
+  for (std::size_t i = 0; i < frequencies.size(); ++i) {
+    const tracking::DriveWaveform& drive = drives[i];
+    const double repeat = static_cast<double>(reference.periods()) / frequencies[i].value;
+    const auto samples = static_cast<double>(drive.v.size());
+    const double repeats = std::max(1.0, std::round(samples * drive.step_s / repeat));
+    out.at.push_back(tracking::tracking_error(stage.response(drive.v, drive.step_s, frequencies[i]),
+                                              reference.samples(static_cast<std::size_t>(samples / repeats)),
+                                              repeat));
+  }
+  return out;
 }
 
 const TrackedDesign* TrackingStudy::find(std::string_view key) const {

@@ -10,6 +10,7 @@
 #include "project/design/design.hpp"
 #include "project/project.hpp"
 #include "tracking/built_controller.hpp"
+#include "tracking/stage.hpp"
 
 namespace bodesmith::project {
 
@@ -43,20 +44,25 @@ inline constexpr std::string_view self_fed_circuit = "self_fed_circuit";
 /// One way of compensating, followed through the plant at every tracked frequency.
 struct TrackedDesign {
   std::string key;
-  std::string name;                 ///< for a person
-  bool built = false;               ///< made of what the run writes
-  int parts = 0;                    ///< op-amps and multipliers, for ties
-  std::vector<double> rms_percent;  ///< of the range, one a frequency (disturbance paper, eq. 8)
-  std::vector<double> max_percent;
-  std::vector<double> rms_percent_without_lag;  ///< the best pure delay of the reference removed
-  std::vector<double> lag_s;                    ///< that delay
+  std::string name;                         ///< for a person
+  bool built = false;                       ///< made of what the run writes
+  int parts = 0;                            ///< op-amps and multipliers, for ties
+  std::vector<tracking::TrackingError> at;  ///< one a frequency (disturbance paper, eq. 8)
   /// rms_percent as formulas have it, the stage evaluated on the reference: for comparison, no stage shows it.
   /// Empty for a built controller, of which only the drive is known.
   std::vector<double> on_reference_percent;
 
+  /// One figure at every frequency.
+  std::vector<double> each(double tracking::TrackingError::*figure) const;
+  /// Over the frequencies; infinite without any.
   double worst_percent() const;
   double worst_without_lag_percent() const;
 };
+
+/// A controller on a stage along one reference, `drives` its drive at each frequency.
+TrackedDesign tracked_controller(const tracking::BuiltController& controller, const tracking::Stage& stage,
+                                 const tracking::Reference& reference, const std::vector<Hertz>& frequencies,
+                                 const std::vector<tracking::DriveWaveform>& drives);
 
 /// One period of the steady state, for the time plots.
 struct TrackedPeriod {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/documents/json.hpp"
+#include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "schematic/writers/kicad/schematic.hpp"
@@ -27,9 +28,7 @@ Json parts_json(const AnalogController& controller) {
 }
 
 Json curve_json(const AnalogController& controller) {
-  std::vector<double> corner;
-  for (const Hertz f : controller.curve->corner) corner.push_back(f.value);
-  return {{"corner_hz", corner},
+  return {{"corner_hz", hertz_values(controller.curve->corner)},
           {"ascending", controller.curve->gain[0]},
           {"descending", controller.curve->gain[1]},
           {"max_error", controller.curve->max_error},

@@ -1,4 +1,4 @@
-#include "project/design/board_controller.hpp"
+#include "project/tracking/board_controller.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/documents/json.hpp"
-#include "base/progress.hpp"
+#include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "fpaa/controller/gains.hpp"
 #include "fpaa/controller/run.hpp"
@@ -15,6 +15,8 @@
 
 namespace bodesmith::project {
 namespace {
+
+using tracking::TrackingError;
 
 /// Samples of one repeat of the reference: enough to see every hold of a fast reference, and the whole of a
 /// slow one.
@@ -67,15 +69,18 @@ class IdealDrive final : public tracking::BuiltController {
   bool polynomial_;
 };
 
-void add_error(BoardTrackingRow& row, const tracking::DriveWaveform& drive, const tracking::Stage& stage,
-               const tracking::Reference& reference, Hertz operating) {
-  const double repeat = static_cast<double>(reference.periods()) / operating.value;
-  const std::vector<double> y = stage.response(drive.v, drive.step_s, operating);
-  const auto error = tracking::tracking_error(y, reference.samples(drive.v.size()), repeat);
-  row.rms_percent.push_back(error.rms_percent_without_lag);
-  row.rms_percent_with_lag.push_back(error.rms_percent);
-  row.max_percent.push_back(error.max_percent);
-  row.lag_s.push_back(error.lag_s);
+BoardTrackingRow tracked_row(const tracking::BuiltController& controller, const tracking::Stage& stage,
+                             const tracking::Reference& reference, const std::vector<Hertz>& frequencies) {
+  std::vector<tracking::DriveWaveform> drives;
+  BoardTrackingRow out;
+  for (const Hertz f : frequencies) {
+    drives.push_back(controller.drive(reference, f));
+    for (const std::string& name : drives.back().clipped) {
+      if (std::ranges::find(out.clipped, name) == out.clipped.end()) out.clipped.push_back(name);
+    }
+  }
+  static_cast<TrackedDesign&>(out) = tracked_controller(controller, stage, reference, frequencies, drives);
+  return out;
 }
 
 }  // namespace
@@ -98,12 +103,6 @@ int BoardController::part_count() const {
 }
 
 tracking::DriveWaveform BoardController::drive(const tracking::Reference& reference, Hertz operating) const {
-  std::vector<std::string> clipped;
-  return drive(reference, operating, clipped);
-}
-
-tracking::DriveWaveform BoardController::drive(const tracking::Reference& reference, Hertz operating,
-                                               std::vector<std::string>& clipped) const {
   const double repeat = static_cast<double>(reference.periods()) / operating.value;
   const auto phase = [repeat](double t) {
     const double turns = t / repeat;
@@ -117,57 +116,26 @@ tracking::DriveWaveform BoardController::drive(const tracking::Reference& refere
   tracking::DriveWaveform out;
   out.step_s = repeat / static_cast<double>(count);
   for (std::size_t i = 0; i < count; ++i) out.v.push_back(run.drive(static_cast<double>(i) * out.step_s));
-  clipped = run.clipped();
+  out.clipped = run.clipped();
   return out;
-}
-
-double BoardTrackingRow::worst_percent() const {
-  if (rms_percent.empty()) return std::numeric_limits<double>::infinity();
-  return *std::max_element(rms_percent.begin(), rms_percent.end());
 }
 
 BoardTracking track_board(const fpaa::Controller& controller, const Disturbance& disturbance,
                           const tracking::Stage& stage, const std::vector<Hertz>& frequencies,
                           const tracking::Reference& reference) {
-  const Stopwatch watch;
-  BoardTracking out;
-  out.frequency = frequencies;
-  for (const bool polynomial : {false, true}) {
-    const IdealDrive ideal(disturbance, polynomial);
-    BoardTrackingRow row;
-    row.key = ideal.key();
-    row.name = ideal.name();
-    for (const Hertz f : frequencies) add_error(row, ideal.drive(reference, f), stage, reference, f);
-    out.rows.push_back(std::move(row));
-  }
+  BoardTracking out{frequencies, {}};
+  for (const bool polynomial : {false, true})
+    out.rows.push_back(tracked_row(IdealDrive(disturbance, polynomial), stage, reference, frequencies));
   for (std::size_t i = 0; i < controller.variants.size(); ++i) {
-    const BoardController board(controller.variants[i], disturbance);
-    BoardTrackingRow row;
-    row.key = board.key();
-    row.name = board.variant().name();
-    row.variant = i;
-    if (board.variant().refusal) {
-      row.why_not = board.variant().refusal->reason;
-    } else {
-      for (const Hertz f : frequencies) {
-        std::vector<std::string> clipped;
-        add_error(row, board.drive(reference, f, clipped), stage, reference, f);
-        for (const std::string& name : clipped) {
-          if (std::find(row.clipped.begin(), row.clipped.end(), name) == row.clipped.end())
-            row.clipped.push_back(name);
-        }
-      }
-    }
-    out.rows.push_back(std::move(row));
+    const fpaa::ControllerVariant& variant = controller.variants[i];
+    const bool runs = !variant.refusal;
+    out.rows.push_back(tracked_row(BoardController(variant, disturbance), stage, reference,
+                                   runs ? frequencies : std::vector<Hertz>()));
+    out.rows.back().name = variant.name();
+    out.rows.back().variant = i;
+    if (!runs) out.rows.back().why_not = variant.refusal->reason;
   }
-  out.compute_s = watch.seconds();
   return out;
-}
-
-const BoardTrackingRow* BoardTracking::find(std::string_view key) const {
-  const auto at =
-      std::find_if(rows.begin(), rows.end(), [&](const BoardTrackingRow& r) { return r.key == key; });
-  return at == rows.end() ? nullptr : &*at;
 }
 
 void choose_by_tracking(fpaa::Controller& controller, const BoardTracking& tracking,
@@ -177,30 +145,33 @@ void choose_by_tracking(fpaa::Controller& controller, const BoardTracking& track
     return controller.variants[*row.variant].cams.size();
   };
   const auto may_be_taken = [&](const BoardTrackingRow& row) {
-    if (!row.variant || row.rms_percent.empty()) return false;
+    if (!row.variant || row.at.empty()) return false;
     const fpaa::ControllerVariant& v = controller.variants[*row.variant];
     return (!options.polynomial || v.by == *options.polynomial) &&
            (!options.structure || v.structure == *options.structure);
   };
   for (const BoardTrackingRow& row : tracking.rows) {
-    if (may_be_taken(row) && (best == nullptr || row.worst_percent() < best->worst_percent())) best = &row;
+    if (may_be_taken(row) &&
+        (best == nullptr || row.worst_without_lag_percent() < best->worst_without_lag_percent()))
+      best = &row;
   }
   if (best == nullptr) return;
-  const double limit = kTie * best->worst_percent();
+  const double limit = kTie * best->worst_without_lag_percent();
   for (const BoardTrackingRow& row : tracking.rows) {
-    if (may_be_taken(row) && row.worst_percent() <= limit && cams(row) < cams(*best)) best = &row;
+    if (may_be_taken(row) && row.worst_without_lag_percent() <= limit && cams(row) < cams(*best)) best = &row;
   }
   controller.chosen = *best->variant;
-  const BoardTrackingRow* polynomial = tracking.find("constant_polynomial");
+  const auto polynomial = std::ranges::find(tracking.rows, "constant_polynomial", &BoardTrackingRow::key);
   controller.why = fmt::format(
       "'{}' tracks with {} % rms at worst over {} to {} Hz as the board runs ({} % with the constant polynomial)",
-      best->name, rounded_text(best->worst_percent(), 2), rounded_text(tracking.frequency.front().value),
-      rounded_text(tracking.frequency.back().value), rounded_text(polynomial->worst_percent(), 2));
+      best->name, rounded_text(best->worst_without_lag_percent(), 2),
+      rounded_text(tracking.frequency.front().value), rounded_text(tracking.frequency.back().value),
+      rounded_text(polynomial->worst_without_lag_percent(), 2));
 }
 
 double TrackedController::worst_percent() const {
   for (const BoardTrackingRow& row : tracking.rows) {
-    if (row.variant == controller.chosen) return row.worst_percent();
+    if (row.variant == controller.chosen) return row.worst_without_lag_percent();
   }
   return std::numeric_limits<double>::infinity();
 }
@@ -240,35 +211,27 @@ Outcome<TrackedController> track_controller(const Disturbance& disturbance, cons
 }
 
 std::string BoardTracking::csv() const {
-  std::vector<std::string> columns = {"frequency_hz"};
+  CsvWriter out;
+  out.add("frequency_hz", hertz_values(frequency));
   for (const BoardTrackingRow& row : rows) {
-    if (!row.why_not) columns.push_back(row.key + "_percent");
-  }
-  CsvTable out(columns);
-  for (std::size_t i = 0; i < frequency.size(); ++i) {
-    std::vector<std::string> line = {number_text(frequency[i].value)};
-    for (const BoardTrackingRow& row : rows) {
-      if (!row.why_not) line.push_back(number_text(row.rms_percent[i]));
-    }
-    out.add_row(line);
+    if (!row.why_not) out.add(row.key + "_percent", row.each(&TrackingError::rms_percent_without_lag));
   }
   return out.text();
 }
 
 Json BoardTracking::to_json() const {
   Json out;
-  out["frequency_hz"] = Json::array();
-  for (const Hertz f : frequency) out["frequency_hz"].push_back(f.value);
+  out["frequency_hz"] = hertz_values(frequency);
   out["rows"] = Json::array();
   for (const BoardTrackingRow& row : rows) {
     Json item = {{"key", row.key}, {"name", row.name}};
     if (row.why_not) {
       item["why_not"] = *row.why_not;
     } else {
-      item["rms_percent"] = row.rms_percent;
-      item["rms_percent_with_lag"] = row.rms_percent_with_lag;
-      item["max_percent"] = row.max_percent;
-      item["lag_s"] = row.lag_s;
+      item["rms_percent"] = row.each(&TrackingError::rms_percent_without_lag);
+      item["rms_percent_with_lag"] = row.each(&TrackingError::rms_percent);
+      item["max_percent"] = row.each(&TrackingError::max_percent);
+      item["lag_s"] = row.each(&TrackingError::lag_s);
       item["clipped"] = row.clipped;
     }
     out["rows"].push_back(item);

@@ -2,16 +2,13 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/documents/json_fwd.hpp"
 #include "base/error.hpp"
-#include "base/units.hpp"
 #include "fpaa/controller/controller.hpp"
+#include "project/tracking/tracking_study.hpp"
 #include "signal/disturbance.hpp"
-#include "tracking/built_controller.hpp"
-#include "tracking/stage.hpp"
 
 namespace bodesmith::project {
 
@@ -26,10 +23,6 @@ class BoardController final : public tracking::BuiltController {
   /// CAMs, and parts outside.
   int part_count() const override;
   tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override;
-  /// The same, and the CAMs that clipped on the way.
-  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating,
-                                std::vector<std::string>& clipped) const;
-  const fpaa::ControllerVariant& variant() const { return variant_; }
 
  private:
   fpaa::ControllerVariant variant_;
@@ -37,28 +30,18 @@ class BoardController final : public tracking::BuiltController {
 };
 
 /// One way of driving the stage, tracked at every frequency.
-struct BoardTrackingRow {
-  std::string key;
-  std::string name;
-  std::optional<std::size_t> variant;  ///< of the controller; absent: an ideal drive, for comparison
-  std::optional<std::string> why_not;  ///< it does not fit, or cannot work
-  std::vector<double> rms_percent;     ///< of the range, the best pure delay removed
-  std::vector<double> rms_percent_with_lag;
-  std::vector<double> max_percent;
-  std::vector<double> lag_s;
-  std::vector<std::string> clipped;  ///< CAMs that clip
-
-  /// Over the frequencies; infinite without any.
-  double worst_percent() const;
+struct BoardTrackingRow : TrackedDesign {
+  std::optional<std::size_t> variant =
+      std::nullopt;  ///< of the controller; absent: an ideal drive, for comparison
+  std::optional<std::string> why_not = std::nullopt;  ///< it does not fit, or cannot work
+  std::vector<std::string> clipped = {};              ///< CAMs that clip
 };
 
 struct BoardTracking {
   std::vector<Hertz> frequency;
   std::vector<BoardTrackingRow>
       rows;  ///< no compensation, constant polynomial, then the controller's variants
-  double compute_s = 0.0;
 
-  const BoardTrackingRow* find(std::string_view key) const;
   Json to_json() const;
   /// `frequency_hz` and a column `<key>_percent` a row that works.
   std::string csv() const;

@@ -5,8 +5,9 @@
 #include <utility>
 
 #include "base/progress.hpp"
-#include "gap/model/least_squares.hpp"
+#include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
+#include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
@@ -59,21 +60,17 @@ Sign sign_of_drive(const AmplitudeDependence& dependence) {
 
 /// Values of the final model's terms, term by term.
 std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, const Experiments& train) {
-  Runners runner(model, train);
-  LeastSquaresOptions options;
-  options.threads = runner.threads();
-  options.iterations = 1;
-  const auto result = least_squares(
-      model.unknowns(), [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); },
-      options);
-  const double inflation = result.usable() ? std::sqrt(correlation_time(result.residuals)) : 1.0;
+  const auto result = held_by(model, train);
+  const double inflation =
+      result.residuals.size() > 0 ? std::sqrt(correlation_time(to_vector(result.residuals))) : 1.0;
   std::vector<std::vector<FoundParameter>> all;
   std::size_t at = model.free_count();
   for (const auto& term : model.terms()) {
     auto& parameters = all.emplace_back();
     for (const auto& u : term.unknowns) {
-      const double sigma =
-          result.usable() && at < result.deviation.size() ? 2.0 * inflation * result.deviation[at] : 0.0;
+      const double sigma = eigen_index(at) < result.deviation.size()
+                               ? 2.0 * inflation * result.deviation(eigen_index(at))
+                               : 0.0;
       parameters.push_back({u.name, u.value, std::clamp(u.value - sigma, u.low, u.value),
                             std::clamp(u.value + sigma, u.value, u.high)});
       ++at;

@@ -47,13 +47,13 @@ TEST(Threads, FitsComeToTheSameBitsOnAnyNumber) {
   const auto train = record(2500, 1e-3, 50.0, 0.0);
   const auto fitted = [&](int threads) {
     const ThreadAllowance allowance(threads);
-    gap::LeastSquaresOptions options;
-    options.iterations = 6;
+    LeastSquaresOptions options;
+    options.max_iterations = 6;
     return gap::fit(gap::Model(resonator()), train, options);
   };
   const auto one = fitted(1);
   const auto three = fitted(3);
-  ASSERT_TRUE(one.result.usable());
+  ASSERT_TRUE(one.usable());
   EXPECT_EQ(one.result.values, three.result.values);
   EXPECT_EQ(one.result.residuals, three.result.residuals);
   EXPECT_EQ(one.result.deviation, three.result.deviation);

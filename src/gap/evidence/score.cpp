@@ -8,7 +8,7 @@
 #include <span>
 
 #include "gap/effect.hpp"
-#include "gap/model/least_squares.hpp"
+#include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
@@ -139,16 +139,13 @@ double occam_of_lines(const Model& model, const Experiments& train, double rest_
 }
 
 double occam(const Model& model, const Experiments& train, const Noise& noise) {
-  Runners runner(model, train);
   const auto unknowns = model.unknowns();
-  const auto all = sensitivities(
-      unknowns, [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); },
-      current_values(model), runner.threads());
+  const auto all = sensitivities(model, train);
   std::vector<Eigen::VectorXd> columns;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double deviation = prior_deviation(unknowns[k]);
-    if (all[k].empty() || !is_in_use(unknowns[k]) || !std::isfinite(deviation)) continue;
-    auto column = all[k];
+    if (all[k].size() == 0 || !is_in_use(unknowns[k]) || !std::isfinite(deviation)) continue;
+    auto column = to_vector(all[k]);
     whiten_all(noise, train, column);
     columns.push_back(as_eigen(column) * (deviation / std::sqrt(kTemperature)));
   }

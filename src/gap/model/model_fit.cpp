@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gap/runner.hpp"
+#include "numeric/index.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record/record_simulator.hpp"
 
@@ -26,37 +27,71 @@ double off_from_given(const Unknown& u, double value) {
   return u.logarithmic ? std::log(value / u.given) : value - u.given;
 }
 
+std::vector<SearchVariable> search_variables(const std::vector<Unknown>& unknowns) {
+  std::vector<SearchVariable> out;
+  for (const Unknown& u : unknowns) out.push_back({u.value, u.low, u.high, u.logarithmic, u.scale});
+  return out;
+}
+
+Residuals residuals_by(Runners& runner) {
+  return [&runner](const Eigen::VectorXd& values, Eigen::VectorXd& out) {
+    std::vector<double> r;
+    if (!runner({values.data(), std_index(values.size())}, r)) return false;
+    out = as_eigen(r);
+    return true;
+  };
+}
+
 }  // namespace
 
 FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions options) {
   Runners runner(model, experiments);
   options.threads = runner.threads();
   const auto unknowns = model.unknowns();
-  const auto known = static_cast<std::size_t>(
-      std::count_if(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return u.given_spread > 0.0; }));
+  std::vector<std::size_t> known;
+  for (std::size_t k = 0; k < unknowns.size(); ++k) {
+    if (unknowns[k].given_spread > 0.0) known.push_back(k);
+  }
   double unit = 0.0;
   std::vector<double> first;
   if (runner(current_values(model), first)) unit = rms(first);
-  const auto residuals = [&](std::span<const double> v, std::vector<double>& out) {
-    if (!runner(v, out)) return false;
-    for (std::size_t k = 0; k < unknowns.size(); ++k) {
-      const auto& u = unknowns[k];
-      if (u.given_spread > 0.0) out.push_back(unit * off_from_given(u, v[k]) / u.given_spread);
+  const auto of_records = residuals_by(runner);
+  const auto residuals = [&](const Eigen::VectorXd& v, Eigen::VectorXd& out) {
+    if (!of_records(v, out)) return false;
+    const Eigen::Index n = out.size();
+    out.conservativeResize(n + eigen_index(known.size()));
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      const auto& u = unknowns[known[i]];
+      out(n + eigen_index(i)) = unit * off_from_given(u, v(eigen_index(known[i]))) / u.given_spread;
     }
     return true;
   };
-  LeastSquaresResult result;
+  FittedModel fitted{std::move(model), {}};
   for (int round = 0; round < kMaxUnits; ++round) {
-    result = least_squares(model.unknowns(), residuals, options);
-    if (!result.usable()) break;
-    model.set_values(result.values);
-    result.residuals.resize(result.residuals.size() - known);
-    const double left = rms(result.residuals);
-    if (known == 0 || left > kSameUnit * unit || (options.stop && options.stop())) break;
-    unit = left;
+    auto& result = fitted.result;
+    result = least_squares(search_variables(fitted.model.unknowns()), residuals, options);
+    if (!fitted.usable()) break;
+    fitted.model.set_values(to_vector(result.values));
+    result.residuals.conservativeResize(result.residuals.size() - eigen_index(known.size()));
+    fitted.rms = rms(to_vector(result.residuals));
+    if (known.empty() || fitted.rms > kSameUnit * unit || (options.stop && options.stop())) break;
+    unit = fitted.rms;
   }
-  result.rms = rms(result.residuals);
-  return {std::move(model), std::move(result)};
+  return fitted;
+}
+
+LeastSquaresResult held_by(const Model& model, const Experiments& experiments) {
+  Runners runner(model, experiments);
+  LeastSquaresOptions options;
+  options.threads = runner.threads();
+  options.max_iterations = 1;
+  return least_squares(search_variables(model.unknowns()), residuals_by(runner), options);
+}
+
+std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments& experiments) {
+  Runners runner(model, experiments);
+  return bodesmith::sensitivities(search_variables(model.unknowns()), residuals_by(runner),
+                                  as_eigen(current_values(model)), runner.threads());
 }
 
 Directions free_responses(const Model& model, const TimeExperiment& experiment, std::size_t first) {

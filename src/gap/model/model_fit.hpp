@@ -1,10 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
+#include <vector>
 
-#include "gap/model/least_squares.hpp"
 #include "gap/model/model.hpp"
 #include "gap/records/experiment.hpp"
+#include "numeric/optimisation/least_squares.hpp"
 
 namespace bodesmith::gap {
 
@@ -12,12 +14,22 @@ namespace bodesmith::gap {
 struct FittedModel {
   Model model;
   LeastSquaresResult result;
+  double rms = 0.0;  ///< of the records' residuals
+
+  /// The model could be run: there are values and residuals, whyever the fit ended.
+  bool usable() const { return result.runs > 0; }
 };
 
 /// Refits all unknowns of the model on the records. What is known of them beforehand (Unknown::given) counts
 /// as one more sample each, in units of the residual that is left in the end: a fit that began far off is
 /// done again with the smaller unit. On as many threads as are allowed here (allowed_threads).
 FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions options = {});
+
+/// The same from the records alone and for one iteration: how firmly they hold the values that stand.
+LeastSquaresResult held_by(const Model& model, const Experiments& experiments);
+
+/// Columns d(residual)/d(unknown, in search coordinates) at the model's values; empty columns where it cannot be run.
+std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments& experiments);
 
 /// Orthonormal directions over the samples from `first` on of what unknown initial states of the model's
 /// dynamics add to its output.

@@ -11,7 +11,7 @@
 #include <random>
 #include <utility>
 
-#include "gap/model/least_squares.hpp"
+#include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
@@ -160,15 +160,12 @@ TimeExperiment driven(const DriveLimits& limits, const Drive& u) {
 }
 
 Eigen::MatrixXd sensitivities_of(const Model& model, const Experiments& experiments) {
-  Runner runner(model, experiments);
-  const auto columns = sensitivities(
-      model.unknowns(), [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); },
-      current_values(model));
+  const auto columns = sensitivities(model, experiments);
   Eigen::Index rows = 0;
-  for (const auto& c : columns) rows = std::max(rows, eigen_index(c.size()));
+  for (const auto& c : columns) rows = std::max(rows, c.size());
   Eigen::MatrixXd j = Eigen::MatrixXd::Zero(rows, eigen_index(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
-    if (eigen_index(columns[k].size()) == rows) j.col(eigen_index(k)) = as_eigen(columns[k]);
+    if (columns[k].size() == rows) j.col(eigen_index(k)) = columns[k];
   }
   return j;
 }

@@ -28,7 +28,7 @@ Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
     if (setting.options.is_late() && best) break;
     auto fitted =
         fit_in_turn(setting, records, with_values(setting.initial, start), setting.options.iterations);
-    if (!fitted.result.usable()) continue;
+    if (!fitted.usable()) continue;
     const double reached = rms_of(fitted.model, records.train);
     if (best && !(reached < options.other_hill * min_rms)) continue;
     min_rms = reached;

@@ -44,10 +44,9 @@ std::optional<Model> with_smooth_input(const SearchSetting& setting, const Searc
                        .set("damping_ratio", kDamping));
   const auto first =
       fit(smooth, records.look(), fit_options(setting.options, setting.options.refit_iterations));
-  if (!first.result.usable() || !(first.result.rms < kMaxLeft * rms_of(model, records.look())))
-    return std::nullopt;
+  if (!first.usable() || !(first.rms < kMaxLeft * rms_of(model, records.look()))) return std::nullopt;
   auto fitted = fit_in_turn(setting, records, first.model);
-  if (!fitted.result.usable()) return std::nullopt;
+  if (!fitted.usable()) return std::nullopt;
   if (!(rms_of(fitted.model, records.train) < kMaxLeft * rms_of(model, records.train))) return std::nullopt;
   if (!(log_evidence(fitted.model, records.train) > log_evidence(model, records.train) - log_share_of_name()))
     return std::nullopt;

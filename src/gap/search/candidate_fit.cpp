@@ -78,7 +78,7 @@ std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchR
   for (auto& start : starting_models(setting, p)) {
     if (setting.options.is_late() && best) break;
     auto fitted = fit(std::move(start), records.look(), options);
-    if (fitted.result.usable() && (!best || fitted.result.rms < best->result.rms)) best = std::move(fitted);
+    if (fitted.usable() && (!best || fitted.rms < best->rms)) best = std::move(fitted);
   }
   return best;
 }
@@ -92,7 +92,7 @@ struct Racer {
 
 double least_rms(const std::vector<Racer>& racers) {
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& r : racers) least = std::min(least, r.now.result.rms);
+  for (const auto& r : racers) least = std::min(least, r.now.rms);
   return least;
 }
 
@@ -107,21 +107,21 @@ void race(const SearchSetting& setting, const SearchRecords& records, std::vecto
   options.cost_tolerance = limits.tolerance;
   for (int stage = 0; stage < limits.stages && !setting.options.is_late(); ++stage) {
     const double before = least_rms(racers);
-    for (auto& r : racers) r.stopped = r.stopped || r.now.result.rms > limits.far_behind * before;
+    for (auto& r : racers) r.stopped = r.stopped || r.now.rms > limits.far_behind * before;
     std::vector<double> reached(racers.size());
     parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
       auto& r = racers[i];
-      reached[i] = r.now.result.rms;
+      reached[i] = r.now.rms;
       if (r.stopped) return;
       auto fitted = fit(r.now.model, records.look(), options);
-      r.stopped = !fitted.result.usable() || has_arrived(fitted);
-      if (fitted.result.usable() && fitted.result.rms <= r.now.result.rms) r.now = std::move(fitted);
+      r.stopped = !fitted.usable() || has_arrived(fitted);
+      if (fitted.usable() && fitted.rms <= r.now.rms) r.now = std::move(fitted);
     });
     const double leader = least_rms(racers);
     for (std::size_t i = 0; i < racers.size(); ++i) {
       auto& r = racers[i];
-      const bool no_nearer = r.now.result.rms > limits.no_nearer * reached[i];
-      if (r.now.result.rms > limits.behind * leader && no_nearer) r.stopped = true;
+      const bool no_nearer = r.now.rms > limits.no_nearer * reached[i];
+      if (r.now.rms > limits.behind * leader && no_nearer) r.stopped = true;
     }
     if (std::all_of(racers.begin(), racers.end(), [](const Racer& r) { return r.stopped; })) return;
   }
@@ -161,7 +161,7 @@ void comb(const SearchSetting& setting, const SearchRecords& records, Racer& rac
       Model moved = racer.now.model;
       moved.set_values(values);
       auto fitted = fit(std::move(moved), records.look(), options);
-      if (fitted.result.usable() && fitted.result.rms < racer.now.result.rms) racer.now = std::move(fitted);
+      if (fitted.usable() && fitted.rms < racer.now.rms) racer.now = std::move(fitted);
     }
   }
 }
@@ -170,8 +170,7 @@ void comb(const SearchSetting& setting, const SearchRecords& records, Racer& rac
 void comb_leaders(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
   const double leader = least_rms(racers);
   parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-    if (racers[i].now.result.rms < setting.options.round.far_behind * leader)
-      comb(setting, records, racers[i]);
+    if (racers[i].now.rms < setting.options.round.far_behind * leader) comb(setting, records, racers[i]);
   });
 }
 
@@ -198,10 +197,10 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
     if (!effect->facts().linear || term.undo) continue;
     for (const auto& other : racers) {
       if (candidates[other.candidate].proposal.model.terms().back().effect != effect) continue;
-      if (!(other.now.result.rms < limits.far_behind * leader)) continue;
-      if (!(other.now.result.rms < limits.far_ahead * racers[i].now.result.rms)) continue;
+      if (!(other.now.rms < limits.far_behind * leader)) continue;
+      if (!(other.now.rms < limits.far_ahead * racers[i].now.rms)) continue;
       if (names(other) != names(racers[i])) continue;
-      if (from[i] == nullptr || other.now.result.rms < from[i]->now.result.rms) from[i] = &other;
+      if (from[i] == nullptr || other.now.rms < from[i]->now.rms) from[i] = &other;
     }
   }
   std::vector<std::optional<FittedModel>> again(racers.size());
@@ -210,7 +209,7 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
     Model model = racers[i].now.model;
     model.set_values(current_values(from[i]->now.model));
     auto fitted = fit(std::move(model), records.look(), options);
-    if (fitted.result.usable() && fitted.result.rms < racers[i].now.result.rms) again[i] = std::move(fitted);
+    if (fitted.usable() && fitted.rms < racers[i].now.rms) again[i] = std::move(fitted);
   });
   for (std::size_t i = 0; i < racers.size(); ++i) {
     if (again[i]) racers[i].now = std::move(*again[i]);

@@ -46,7 +46,7 @@ std::optional<Ranked> with_mode(const SearchSetting& setting, std::string_view n
   });
   if (best == ranking.end() || !(best->train_rms < kWorthIt * left)) return std::nullopt;
   auto fitted = fit(best->model, compared.train, fit_options(setting.options, setting.options.iterations));
-  if (fitted.result.usable()) best->model = std::move(fitted.model);
+  if (fitted.usable()) best->model = std::move(fitted.model);
   return *best;
 }
 
@@ -62,7 +62,7 @@ void extend_from(const SearchSetting& setting, const SearchRecords& records, con
     model = mode->model;
     chain.push_back(std::move(*mode));
     auto fitted = fit(model, records.train, fit_options(setting.options, setting.options.iterations));
-    if (!fitted.result.usable()) continue;
+    if (!fitted.usable()) continue;
     auto finished = chain;
     finished.back().model = std::move(fitted.model);
     chains.push_back(std::move(finished));

@@ -204,7 +204,7 @@ std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, c
   parallel_for(sets.size(), options.threads, [&](std::size_t i) {
     auto& last = sets[i].back();
     auto fitted = fit(last.model, records.train, fit_options(options, options.iterations));
-    if (fitted.result.usable()) last.model = std::move(fitted.model);
+    if (fitted.usable()) last.model = std::move(fitted.model);
     const bool named = std::none_of(sets[i].begin(), sets[i].end(),
                                     [](const Ranked& r) { return r.outcome == CandidateOutcome::no_name; });
     last.log_evidence =

@@ -31,7 +31,7 @@ SearchRecords make_records(const Experiments& train, const StretchOptions& optio
 
 LeastSquaresOptions fit_options(const SearchOptions& options, int iterations) {
   LeastSquaresOptions o;
-  o.iterations = iterations;
+  o.max_iterations = iterations;
   o.stop = [&options] { return options.is_late(); };
   return o;
 }

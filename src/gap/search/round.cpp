@@ -113,7 +113,7 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
     if (options.is_late()) return;
     auto fitted =
         fit(ranking[i].model, records.train, fit_options(options, options.stretches.iterations_on_all));
-    if (!fitted.result.usable()) return;
+    if (!fitted.usable()) return;
     ranking[i].model = std::move(fitted.model);
     ranking[i].train_rms = rms_of(ranking[i].model, records.train);
   });

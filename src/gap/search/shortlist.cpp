@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
@@ -96,18 +97,15 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
 
 std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> proposals, const Experiments& look,
                                  int threads) {
-  Runners runner(model, look);
-  const auto values = current_values(model);
-  std::vector<double> out;
+  auto out = residuals_of(model, look);
   std::vector<Promising> all;
-  if (!runner(values, out)) return all;
+  if (out.empty()) return all;
   PresentModel present;
   present.residuals = out;
   present.energy = as_eigen(out).squaredNorm();
   present.logarithmic = are_responses(look);
-  const auto residuals = [&](std::span<const double> v, std::vector<double>& o) { return runner(v, o); };
-  for (const auto& column : sensitivities(model.unknowns(), residuals, values, runner.threads())) {
-    if (!column.empty()) present.known.add(column);
+  for (const auto& column : sensitivities(model, look)) {
+    if (column.size() > 0) present.known.add(to_vector(column));
   }
   present.known.take_out(out);
   present.unexplained = as_eigen(out);

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "gap/model/least_squares.hpp"
 #include "gap/proposal.hpp"
 #include "gap/records/experiment.hpp"
 

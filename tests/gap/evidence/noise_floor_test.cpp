@@ -6,7 +6,6 @@
 #include <numbers>
 #include <random>
 
-#include "gap/model/least_squares.hpp"
 #include "gap/report/where.hpp"
 #include "signal/period.hpp"
 #include "signal/periodogram.hpp"
@@ -68,36 +67,6 @@ TEST(Surrogate, keepsTheSpectrumAndLosesThePhases) {
   double along = 0.0;
   for (std::size_t i = 0; i < v.size(); ++i) along += v[i] * s[i];
   EXPECT_LT(std::abs(along) / (rms(v) * rms(s) * 4096.0), 0.08);
-}
-
-TEST(LeastSquares, fitsAnExponentialToRounding) {
-  std::vector<Unknown> unknowns = {{"rate", 0.5, 0.01, 100.0, true, 1.0},
-                                   {"size", 0.2, -10.0, 10.0, false, 1.0}};
-  const auto model = [](std::span<const double> v, std::vector<double>& out) {
-    out.clear();
-    for (int i = 0; i < 200; ++i) {
-      const double t = 0.02 * i;
-      out.push_back(v[1] * std::exp(-v[0] * t) - 3.0 * std::exp(-1.7 * t));
-    }
-    return true;
-  };
-  const auto result = least_squares(unknowns, model);
-  ASSERT_TRUE(result.usable());
-  EXPECT_NEAR(result.values[0], 1.7, 1e-6);
-  EXPECT_NEAR(result.values[1], 3.0, 1e-6);
-  EXPECT_LT(result.rms, 1e-7);
-}
-
-TEST(LeastSquares, holdsUnknownsAtTheirBounds) {
-  // The free optimum is at (-1, 2); with the first one kept at 0 or above the best of the second is 1.
-  std::vector<Unknown> unknowns = {{"a", 1.0, 0.0, 10.0, false, 1.0}, {"b", 5.0, -10.0, 10.0, false, 1.0}};
-  const auto model = [](std::span<const double> v, std::vector<double>& out) {
-    out = {v[0] + v[1] - 1.0, 0.5 * (v[0] + 1.0)};
-    return true;
-  };
-  const auto result = least_squares(unknowns, model);
-  EXPECT_NEAR(result.values[0], 0.0, 1e-9);
-  EXPECT_NEAR(result.values[1], 1.0, 1e-6);
 }
 
 TEST(Where, findsTheStretchOfADropOut) {

@@ -81,9 +81,6 @@ class MemoryKernel {
   /// The input moves along a straight line from where it was to u within dt_s; returns the output at its end.
   virtual double step(double u, double dt_s) = 0;
   virtual double peek(double u, double dt_s) const = 0;
-  /// The output just after the input has begun to move towards `next` (differs from the last output only for
-  /// operators that jump when the input turns).
-  virtual double departing(double next) const = 0;
   /// False: the output depends on how fast the input moves.
   virtual bool rate_independent() const = 0;
   /// Above 0: the operator is y following u at no more than this rate, which engines may work out by events.

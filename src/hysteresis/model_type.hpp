@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -66,7 +67,8 @@ struct Model {
 /// Of models whose output is one curve of the input while it rises and another one while it falls, whatever came
 /// before: it jumps between them when the input turns.
 struct BranchCurves {
-  /// y = c0 + c1 u + …, where the curves are polynomials; empty otherwise.
+  std::function<double(bool rising, double u)> curve;
+  /// The same as y = c0 + c1 u + …, where the curves are polynomials; empty otherwise.
   std::vector<double> rising;
   std::vector<double> falling;
   double switch_delay_s = 0.0;  ///< the branch follows the input's direction this much later

@@ -179,7 +179,6 @@ TEST(KernelLaws, AComparatorSwitchesAtItsLevels) {
   EXPECT_EQ(kernel.reset(0.3, true), 1.0);
   for (const auto& [u, y] : {std::pair{0.01, 1.0}, {-0.01, -1.0}, {0.39, -1.0}, {0.41, 1.0}, {0.01, 1.0}}) {
     EXPECT_EQ(kernel.step(u, 1e-3), y) << u;
-    EXPECT_EQ(kernel.departing(u), y);
   }
   ASSERT_EQ(kernel.corners().size(), 2u);
   EXPECT_DOUBLE_EQ(kernel.corners()[0], 0.0);

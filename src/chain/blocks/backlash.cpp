@@ -15,7 +15,6 @@ class Play final : public MemoryKernel {
   }
   double step(double u, double) override { return y_ = peek(u, 0.0); }
   double peek(double u, double) const override { return std::clamp(y_, u - half_, u + half_); }
-  double departing(double) const override { return y_; }
   bool rate_independent() const override { return true; }
 
  private:

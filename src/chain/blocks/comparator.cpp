@@ -20,7 +20,6 @@ class ComparatorKernel final : public MemoryKernel {
     return output(is_high_);
   }
   double peek(double u, double) const override { return output(next(u)); }
-  double departing(double) const override { return output(is_high_); }
   bool rate_independent() const override { return true; }
   std::vector<double> corners() const override {
     return up_ == down_ ? std::vector<double>{up_} : std::vector<double>{down_, up_};

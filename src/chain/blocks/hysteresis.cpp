@@ -21,30 +21,18 @@ class OperatorKernel final : public MemoryKernel {
   OperatorKernel(std::unique_ptr<Operator> op, std::optional<BranchCurves> curves)
       : operator_(std::move(op)), curves_(std::move(curves)) {}
   std::unique_ptr<MemoryKernel> clone() const override {
-    auto copy = std::make_unique<OperatorKernel>(operator_->clone(), curves_);
-    copy->u_ = u_;
-    copy->y_ = y_;
-    return copy;
+    return std::make_unique<OperatorKernel>(operator_->clone(), curves_);
   }
   double reset(double u, bool equilibrium) override {
-    u_ = u;
-    y_ = operator_->reset(equilibrium ? u : 0.0);
-    if (!equilibrium && u != 0.0) y_ = operator_->step(u, 0.0);
-    return y_;
+    const double y = operator_->reset(equilibrium ? u : 0.0);
+    return equilibrium || u == 0.0 ? y : operator_->step(u, 0.0);
   }
-  double step(double u, double dt_s) override {
-    u_ = u;
-    return y_ = operator_->step(u, dt_s);
-  }
+  double step(double u, double dt_s) override { return operator_->step(u, dt_s); }
   double peek(double u, double dt_s) const override { return operator_->peek(u, dt_s); }
-  double departing(double next) const override {
-    // The smallest move that still has a direction shows the branch that is about to be taken.
-    if (!curves_ || next == u_) return y_;
-    return operator_->peek(u_ + 1e-12 * (next - u_), 0.0);
-  }
   bool has_branches() const override { return curves_.has_value(); }
   double on_branch(bool rising, double u) const override {
-    return polynomial_at(rising ? curves_->rising : curves_->falling, u);
+    const std::vector<double>& polynomial = rising ? curves_->rising : curves_->falling;
+    return polynomial.empty() ? curves_->curve(rising, u) : polynomial_at(polynomial, u);
   }
   std::vector<double> branch_polynomial(bool rising) const override {
     if (!curves_) return {};
@@ -56,8 +44,6 @@ class OperatorKernel final : public MemoryKernel {
  private:
   std::unique_ptr<Operator> operator_;
   std::optional<BranchCurves> curves_;
-  double u_ = 0.0;
-  double y_ = 0.0;
 };
 
 /// Any model of hysteresis/ as a block.

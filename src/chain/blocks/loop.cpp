@@ -44,9 +44,6 @@ class LoopKernel final : public MemoryKernel {
     LoopKernel other = *this;
     return other.step(r, dt_s);
   }
-  double departing(double next) const override {
-    return drive(delay_s_ > 0.0 || next == r_ ? rising_ : next > r_, r_);
-  }
   bool has_branches() const override { return true; }
   double on_branch(bool rising, double r) const override { return drive(rising, r); }
   double switch_delay_s() const override { return delay_s_; }

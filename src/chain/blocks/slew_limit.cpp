@@ -22,7 +22,6 @@ class SlewLimiter final : public MemoryKernel {
     return output(u, y_);
   }
   double peek(double u, double dt_s) const override { return output(u, follow(u, dt_s)); }
-  double departing(double) const override { return output(u_, y_); }
   bool rate_independent() const override { return false; }
   /// 0 with feedthrough: the output is then not the state that engines which follow it themselves know.
   double slew_rate() const override { return feedthrough_ > 0.0 ? 0.0 : rate_; }

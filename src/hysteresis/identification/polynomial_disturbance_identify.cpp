@@ -218,14 +218,10 @@ std::vector<ParameterSpec> disturbance_parameters(std::vector<ParameterSpec> own
   return own;
 }
 
-/// The cubic through four of the operator's values, met while moving in that direction.
-std::vector<double> branch_cubic(Operator& op, int direction) {
+/// Of a branch that is a cubic: through four of its values.
+std::vector<double> branch_cubic(const PolynomialDisturbance& model, bool rising) {
   double y[4];
-  for (int i = 0; i < 4; ++i) {
-    const double x = i / 3.0;
-    op.reset(x - direction);
-    y[i] = op.step(x, 0.0);
-  }
+  for (int i = 0; i < 4; ++i) y[i] = model.plain(rising, i / 3.0);
   // Newton's divided differences at 0, 1/3, 2/3, 1, multiplied out.
   const double d1 = y[1] - y[0];
   const double d2 = y[2] - 2.0 * y[1] + y[0];
@@ -241,13 +237,11 @@ class DisturbanceType : public ShapedModelType<PolynomialDisturbance, Polynomial
     const PolynomialDisturbance model = PolynomialDisturbance::from(values);
     if (model.nested) return std::nullopt;
     BranchCurves out;
-    if (model.ascending.is_sine) return out;
-    PolynomialDisturbance at_once = model;
-    at_once.switch_delay_s = 0.0;
-    PolynomialOperator op(at_once);
-    out.rising = branch_cubic(op, 1);
-    out.falling = branch_cubic(op, -1);
+    out.curve = [model](bool rising, double u) { return model.plain(rising, u); };
     out.switch_delay_s = model.switch_delay_s;
+    if (model.ascending.is_sine) return out;
+    out.rising = branch_cubic(model, true);
+    out.falling = branch_cubic(model, false);
     return out;
   }
 };

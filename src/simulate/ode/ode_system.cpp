@@ -119,9 +119,6 @@ void OdeSystem::restart(double t, const std::vector<int>* crossings) {
   };
   for (Placed& placed : parts_) placed->cross(own(placed), state_.data() + placed.state);
   evaluate(t, state_.data(), rates_.data(), Walk::restart);
-  bool changed = false;
-  for (Placed& placed : parts_) changed = placed->set_right(own(placed)) || changed;
-  if (changed) evaluate(t);
   for (Placed& placed : parts_) placed->restarted(state_.data() + placed.state);
 }
 

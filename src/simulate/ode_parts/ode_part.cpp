@@ -15,7 +15,7 @@ using chain::SourceKernel;
 struct CanStand {
   bool operator()(const LinearKernel& linear) const { return linear.delay_s == 0.0; }
   bool operator()(const std::unique_ptr<MemoryKernel>& memory) const {
-    return memory->rate_independent() || memory->slew_rate() > 0.0;
+    return memory->rate_independent() || memory->has_branches() || memory->slew_rate() > 0.0;
   }
   bool operator()(const std::unique_ptr<SampledKernel>&) const { return false; }
   template <class T>
@@ -31,6 +31,7 @@ struct MakePart {
   Part operator()(const std::unique_ptr<SourceKernel>& source) const { return make_source_part(*source); }
   Part operator()(const std::unique_ptr<OdeKernel>& system) const { return make_dynamics_part(*system); }
   Part operator()(const std::unique_ptr<MemoryKernel>& memory) const {
+    if (memory->has_branches()) return make_branch_part(*memory);
     return memory->slew_rate() > 0.0 ? make_slew_part(*memory) : make_memory_part(*memory);
   }
   Part operator()(const std::unique_ptr<SampledKernel>&) const {

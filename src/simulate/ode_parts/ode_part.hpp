@@ -58,8 +58,6 @@ class OdePart {
   /// Before solving starts again: +1/-1 where an own event function has crossed upwards/downwards; null at a
   /// corner of the input.
   virtual void cross(const int* /*crossings*/, double* /*x*/) {}
-  /// After the walk of the restart: whether something was set right that asks for another walk.
-  virtual bool set_right(const int* /*crossings*/) { return false; }
   /// After the last walk of the restart.
   virtual void restarted(const double* /*x*/) {}
 
@@ -71,7 +69,7 @@ class OdePart {
 };
 
 /// Whether a block may be part of an ODE: everything but pure delays, clocked blocks and memory that depends
-/// on the rate (but for a slew limit).
+/// on the rate (but for a slew limit and late branches).
 bool can_stand_in_ode(const chain::Kernel& kernel);
 /// `kernel` can stand in an ODE, and outlives the part.
 std::unique_ptr<OdePart> make_ode_part(const chain::Kernel& kernel);
@@ -82,6 +80,7 @@ std::unique_ptr<OdePart> make_dynamics_part(const chain::OdeKernel& system);
 std::unique_ptr<OdePart> make_curve_part(const chain::CurveKernel& curve);
 std::unique_ptr<OdePart> make_source_part(const chain::SourceKernel& source);
 std::unique_ptr<OdePart> make_memory_part(chain::MemoryKernel& memory);
+std::unique_ptr<OdePart> make_branch_part(const chain::MemoryKernel& memory);
 std::unique_ptr<OdePart> make_slew_part(chain::MemoryKernel& memory);
 
 }  // namespace bodesmith::simulate

@@ -75,7 +75,13 @@ bool BranchPropagator::is_constant(const double* v) const {
   return std::all_of(v + 1, v + nodes_->size(), [v](double value) { return value == v[0]; });
 }
 
-void BranchPropagator::find_turns(const double* v, double last, double noise) {
+bool BranchPropagator::is_monotone(const double* v) const {
+  const auto falls = [](double a, double b) { return a > b; };
+  const double* const end = v + nodes_->size();
+  return std::is_sorted(v, end) || std::is_sorted(v, end, falls);
+}
+
+void BranchPropagator::find_turns(const double* v, double last, double noise, const double* next) {
   const std::size_t p = nodes_->degree;
   if (std::abs(v[0] - last) > noise) turn(0.0, v[0] > last);
   if (is_constant(v)) return;  // behind a clocked hold most are
@@ -91,19 +97,25 @@ void BranchPropagator::find_turns(const double* v, double last, double noise) {
     count = turning_points(slope, p - 1, roots);
   }
   roots[count] = 1.0;
+  const bool doubted = kinked_ && is_monotone(v);
+  const auto is_so = [&](bool rising, bool at_end) {
+    if (!doubted || rising == (v[p] > v[0])) return true;
+    return at_end && next != nullptr && (rising ? next[1] - next[0] : next[0] - next[1]) > noise;
+  };
   double from = 0.0;
   double value = v[0];
   for (std::size_t k = 0; k <= count; ++k) {
     const double end = roots[k] < 1.0 ? nodes_->value(v, roots[k]) : v[p];
-    if (std::abs(end - value) > noise) turn(from, end > value);
+    if (std::abs(end - value) > noise && is_so(end > value, k == count)) turn(from, end > value);
     from = roots[k];
     value = end;
   }
 }
 
 double BranchPropagator::run(const chain::MemoryKernel& memory, const HoldNodes& nodes,
-                             std::span<const HoldSpan> spans, double* signal, double before) {
+                             std::span<const HoldSpan> spans, double* signal, double before, bool kinked) {
   memory_ = &memory;
+  kinked_ = kinked;
   nodes_ = &nodes;
   for (std::size_t j = 0; j <= nodes.degree; ++j) {
     quadrature_[j] = 0.0;
@@ -124,7 +136,8 @@ double BranchPropagator::run(const chain::MemoryKernel& memory, const HoldNodes&
     delay_ = memory.switch_delay_s() / h;
     for (std::size_t hold = 0; hold < span.holds; ++hold, v += width) {
       for (std::size_t j = 0; j < width; ++j) size = std::max(size, std::abs(v[j]));
-      find_turns(v, last, kRounding * size);
+      const bool ends = &span == &spans.back() && hold + 1 == span.holds;
+      find_turns(v, last, kRounding * size, ends ? nullptr : v + width);
       last = v[width - 1];
       run_hold(v);
       for (double& time : due_) time -= 1.0;

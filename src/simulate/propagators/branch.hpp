@@ -17,16 +17,20 @@ namespace bodesmith::simulate {
 /// follow see the jump where it is up to order p in the hold (ends alone would leave order 1).
 class BranchPropagator {
  public:
-  /// In place. Rests under the constant `before` until the first hold; returns the output there.
+  /// In place. Rests under the constant `before` until the first hold; returns the output there. `kinked`: between the nodes the
+  /// input may have corners beside which the polynomial overshoots: a turn that nodes do not show counts where the next hold
+  /// goes on from it.
   double run(const chain::MemoryKernel& memory, const HoldNodes& nodes, std::span<const HoldSpan> spans,
-             double* signal, double before);
+             double* signal, double before, bool kinked);
 
  private:
   double on_branch(double u) const;
   void turn(double when, bool rising);
   bool is_constant(const double* v) const;
-  /// Turns inside the hold, and at its begin, where the input came from `last`.
-  void find_turns(const double* v, double last, double noise);
+  /// Turns inside the hold, and at its begin, where the input came from `last`. `next`: the hold behind it, or null.
+  void find_turns(const double* v, double last, double noise, const double* next);
+  /// Whether the nodes go one way.
+  bool is_monotone(const double* v) const;
   void run_hold(double* v);
   void broken_hold(double* v);
   /// Moments 0 ... p - 2 of the output over the hold; the switch then stands as at its end.
@@ -36,6 +40,7 @@ class BranchPropagator {
 
   const chain::MemoryKernel* memory_ = nullptr;
   const HoldNodes* nodes_ = nullptr;
+  bool kinked_ = false;
   double delay_ = 0.0;       ///< in holds
   bool rising_ = true;       ///< direction of the input
   bool branch_ = true;       ///< what the switch stands at

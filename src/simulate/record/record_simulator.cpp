@@ -50,7 +50,8 @@ struct RecordSimulator::Implementation {
     const HoldNodes& nodes;
     HoldPlan plan;
     bool equilibrium = false;
-    double rest = 0.0;  ///< what the signal rests at before the start
+    double rest = 0.0;    ///< what the signal rests at before the start
+    bool kinked = false;  ///< what reaches the stage now
 
     std::size_t values() const {
       std::size_t holds = 0;
@@ -300,7 +301,25 @@ struct RecordSimulator::Implementation {
     if (stage.linear) return run_linear(stage, run);
     jumps.clear();
     double* x = state.data() + stage.state;
+    run.kinked = is_kinked(stage);
     std::visit([&](auto& kernel) { run_kernel(kernel, run, x); }, slots[stage.first].kernel());
+  }
+
+  /// Whether what reaches this stage has corners between the nodes: of curves, memory and clocks, until dynamics take them off.
+  bool is_kinked(const RecordStage& stage) const {
+    for (auto before = stages.begin() + (&stage - stages.data()); before-- != stages.begin();) {
+      const chain::Kernel& kernel = slots[before->first].kernel();
+      const auto* ode = std::get_if<std::unique_ptr<OdeKernel>>(&kernel);
+      if (before->linear ? before->merged.order() > 0 && before->merged.d == 0.0
+                         : ode != nullptr && (*ode)->linear().d == 0.0)
+        return false;
+      if (const auto* curve = std::get_if<std::unique_ptr<CurveKernel>>(&kernel)) {
+        if (!(*curve)->corners().empty()) return true;
+      } else if (has_memory(*before) || is_sampled(*before)) {
+        return true;
+      }
+    }
+    return false;
   }
 
   /// Of steps to steps; false, and nothing done, where more than values changes.
@@ -445,10 +464,10 @@ struct RecordSimulator::Implementation {
   }
 
   void run_kernel(std::unique_ptr<MemoryKernel>& memory, Run& run, double*) {
-    run.rest =
-        memory->has_branches()
-            ? branch.run(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium ? signal[0] : 0.0)
-            : run_memory(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium);
+    run.rest = memory->has_branches()
+                   ? branch.run(*memory, run.nodes, run.plan.spans, signal.data(),
+                                run.equilibrium ? signal[0] : 0.0, run.kinked)
+                   : run_memory(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium);
   }
 
   void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*) {

@@ -122,6 +122,23 @@ TEST(Engines, PolynomialHysteresisTakesTheBranchOfTheSlope) {
   EXPECT_LT(max_difference(y, simulate(chain, in, cvode()).y), 1e-11);
 }
 
+TEST(Engines, SineHysteresisTakesTheBranchOfTheSlopeLate) {
+  for (const double delay_s : {0.0, 0.0073}) {
+    const Chain chain{{make_block("sine_hysteresis")
+                           .set("A_ascending", 0.1)
+                           .set("A_descending", -0.08)
+                           .set("switch_delay_s", delay_s)}};
+    const auto in = record_of(1001, 0.001, triangle);
+    const auto y = simulate(chain, in, by_record()).y;
+    const auto late = static_cast<std::size_t>(delay_s * 1000.0);
+    for (std::size_t i = late + 1; i < in.size(); ++i) {
+      const bool rising = in.u[i - late] > in.u[i - late - 1];
+      EXPECT_NEAR(y[i], in.u[i] + (rising ? 0.1 : -0.08) * std::sin(kPi * in.u[i]), 1e-14) << i;
+    }
+    EXPECT_LT(max_difference(y, simulate(chain, in, cvode()).y), 1e-11);
+  }
+}
+
 TEST(Engines, PolynomialHysteresisBehindALagThenDynamics) {
   Chain chain{{make_block("lowpass").set("corner_hz", 15.0),
                make_block("polynomial_hysteresis")

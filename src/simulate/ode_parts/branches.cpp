@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
 
+#include "simulate/ode_parts/direction.hpp"
 #include "simulate/ode_parts/ode_part.hpp"
 
 namespace bodesmith::simulate {
@@ -33,16 +33,12 @@ class BranchPart final : public OdePart {
     return du * slope_at(in_.value);
   }
   void event_values(const double* /*x*/, double* g) const override {
-    g[0] = in_.slope + (rising_ ? rest() : -rest());
+    g[0] = direction_.event(in_.slope);
     g[1] = due_.empty() ? 1.0 : due_.front() - now_;
   }
   void commit() override {
-    // A jump is a move too; less than this share of the signal is rounding.
-    constexpr double kSmallest = 1e-12;
-    const double move = in_.value - committed_;
-    if (std::abs(move) > kSmallest * std::max(std::abs(in_.value), std::abs(committed_))) turn(move > 0.0);
-    committed_ = in_.value;
-    fastest_ = std::max(fastest_, std::abs(in_.slope));
+    move_to(in_.value);
+    direction_.passed(in_.slope);
   }
   void cross(const int* crossings, double* /*x*/) override {
     // A turn found by its event keeps the direction found: its slope is about 0.
@@ -53,17 +49,19 @@ class BranchPart final : public OdePart {
   }
 
  private:
+  /// A jump is a move too.
+  void move_to(double u) {
+    constexpr double kSmallest = 1e-12;  // share of the signal below which a move is rounding
+    const double move = u - committed_;
+    if (std::abs(move) > kSmallest * std::max(std::abs(u), std::abs(committed_))) turn(move > 0.0);
+    committed_ = u;
+  }
   void turn(bool rising) {
-    if (rising != rising_) due_.push_back(now_ + memory_.switch_delay_s());
-    rising_ = rising;
+    if (rising != direction_.rising) due_.push_back(now_ + memory_.switch_delay_s());
+    direction_.rising = rising;
   }
   void switch_over() {
     for (; !due_.empty() && due_.front() <= now_; due_.pop_front()) branch_ = !branch_;
-  }
-  /// Slower than this is rest, from which the input may move on either way.
-  double rest() const {
-    constexpr double kPart = 1e-9;
-    return std::max(kPart * fastest_, std::numeric_limits<double>::min());
   }
   double slope_at(double u) const {
     const double step = 1e-6 * std::max(std::abs(u), 1e-3);
@@ -72,7 +70,8 @@ class BranchPart final : public OdePart {
   SlopedValue pass(double t, SlopedValue in, const double* /*x*/, double* /*dx*/, Walk purpose) override {
     now_ = t;
     if (purpose == Walk::restart) {
-      if (!turned_ && std::abs(in.slope) > rest()) turn(in.slope > 0.0);
+      move_to(in.value);
+      if (!turned_ && std::abs(in.slope) > direction_.rest()) turn(in.slope > 0.0);
       switch_over();
     }
     return {memory_.on_branch(branch_, in.value), in.slope != 0.0 ? in.slope * slope_at(in.value) : in.slope};
@@ -80,11 +79,10 @@ class BranchPart final : public OdePart {
 
   const chain::MemoryKernel& memory_;
   double now_ = 0.0;
-  bool rising_ = true;      ///< direction of the input
+  Direction direction_;     ///< of the input
   bool branch_ = true;      ///< what the switch stands at
   bool turned_ = false;     ///< at the restart
   double committed_ = 0.0;  ///< where the input stood
-  double fastest_ = 0.0;    ///< its slope so far
   std::deque<double> due_;  ///< times at which the switch will toggle
 };
 

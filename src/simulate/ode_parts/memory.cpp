@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulate/ode_parts/direction.hpp"
 #include "simulate/ode_parts/ode_part.hpp"
 
 namespace bodesmith::simulate {
@@ -27,9 +28,16 @@ class MemoryPart final : public OdePart {
   }
   void event_values(const double* /*x*/, double* g) const override {
     for (std::size_t i = 0; i < corners_.size(); ++i) g[i] = in_.value - corners_[i];
-    g[corners_.size()] = in_.slope;
+    g[corners_.size()] = direction_.event(in_.slope);
   }
-  void commit() override { memory_.step(in_.value, 0.0); }
+  void commit() override {
+    memory_.step(in_.value, 0.0);
+    direction_.passed(in_.slope);
+  }
+  void cross(const int* crossings, double* /*x*/) override {
+    const int turned = crossings == nullptr ? 0 : crossings[corners_.size()];
+    if (turned != 0) direction_.rising = turned > 0;
+  }
 
  private:
   /// Of the output over the input, on its way.
@@ -39,13 +47,18 @@ class MemoryPart final : public OdePart {
     return (memory_.peek(u + step, 0.0) - memory_.peek(u, 0.0)) / step;
   }
 
-  SlopedValue pass(double t, SlopedValue in, const double* x, double* /*dx*/, Walk /*purpose*/) override {
+  SlopedValue pass(double t, SlopedValue in, const double* x, double* /*dx*/, Walk purpose) override {
+    if (purpose == Walk::restart) {
+      memory_.step(in.value, 0.0);  // what stands in front may have jumped
+      if (std::abs(in.slope) > direction_.rest()) direction_.rising = in.slope > 0.0;
+    }
     const double y = output(t, in.value, x);
     return {y, in.slope != 0.0 ? in.slope * slope() : in.slope};
   }
 
   chain::MemoryKernel& memory_;
   std::vector<double> corners_;
+  Direction direction_;  ///< of the input
 };
 
 }  // namespace

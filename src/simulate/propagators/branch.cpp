@@ -97,7 +97,7 @@ void BranchPropagator::find_turns(const double* v, double last, double noise, co
     count = turning_points(slope, p - 1, roots);
   }
   roots[count] = 1.0;
-  const bool doubted = kinked_ && is_monotone(v);
+  const bool doubted = place_.kinked && is_monotone(v);
   const auto is_so = [&](bool rising, bool at_end) {
     if (!doubted || rising == (v[p] > v[0])) return true;
     return at_end && next != nullptr && (rising ? next[1] - next[0] : next[0] - next[1]) > noise;
@@ -113,9 +113,9 @@ void BranchPropagator::find_turns(const double* v, double last, double noise, co
 }
 
 double BranchPropagator::run(const chain::MemoryKernel& memory, const HoldNodes& nodes,
-                             std::span<const HoldSpan> spans, double* signal, double before, bool kinked) {
+                             std::span<const HoldSpan> spans, double* signal, double before, Place place) {
   memory_ = &memory;
-  kinked_ = kinked;
+  place_ = place;
   nodes_ = &nodes;
   for (std::size_t j = 0; j <= nodes.degree; ++j) {
     quadrature_[j] = 0.0;
@@ -148,15 +148,27 @@ double BranchPropagator::run(const chain::MemoryKernel& memory, const HoldNodes&
 
 void BranchPropagator::run_hold(double* v) {
   const std::size_t width = nodes_->size();
-  while (!due_.empty() && due_.front() <= kAtEnd) {
-    branch_ = !branch_;
-    due_.erase(due_.begin());
-  }
-  if (!due_.empty() && due_.front() < 1.0 - kAtEnd) return broken_hold(v);
+  switch_until(kAtEnd);
+  if (!due_.empty() && due_.front() < 1.0 - kAtEnd)
+    return place_.values_only ? values_of_broken_hold(v) : broken_hold(v);
   if (is_constant(v)) {
     std::fill_n(v, width, on_branch(v[0]));
   } else {
     for (std::size_t j = 0; j < width; ++j) v[j] = on_branch(v[j]);
+  }
+}
+
+void BranchPropagator::switch_until(double at) {
+  while (!due_.empty() && due_.front() <= at) {
+    branch_ = !branch_;
+    due_.erase(due_.begin());
+  }
+}
+
+void BranchPropagator::values_of_broken_hold(double* v) {
+  for (std::size_t j = 0; j < nodes_->size(); ++j) {
+    switch_until(nodes_->at[j]);
+    v[j] = on_branch(v[j]);
   }
 }
 

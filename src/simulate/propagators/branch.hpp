@@ -17,11 +17,17 @@ namespace bodesmith::simulate {
 /// follow see the jump where it is up to order p in the hold (ends alone would leave order 1).
 class BranchPropagator {
  public:
-  /// In place. Rests under the constant `before` until the first hold; returns the output there. `kinked`: between the nodes the
-  /// input may have corners beside which the polynomial overshoots: a turn that nodes do not show counts where the next hold
-  /// goes on from it.
+  /// What stands in front and behind.
+  struct Place {
+    /// Between the nodes the input may have corners beside which the polynomial overshoots: a turn that nodes do not show counts
+    /// where the next hold goes on from it.
+    bool kinked = false;
+    /// Of the output the values at the nodes count.
+    bool values_only = false;
+  };
+  /// In place. Rests under the constant `before` until the first hold; returns the output there.
   double run(const chain::MemoryKernel& memory, const HoldNodes& nodes, std::span<const HoldSpan> spans,
-             double* signal, double before, bool kinked);
+             double* signal, double before, Place place);
 
  private:
   double on_branch(double u) const;
@@ -33,6 +39,9 @@ class BranchPropagator {
   bool is_monotone(const double* v) const;
   void run_hold(double* v);
   void broken_hold(double* v);
+  void values_of_broken_hold(double* v);
+  /// The switch as it stands at `at`.
+  void switch_until(double at);
   /// Moments 0 ... p - 2 of the output over the hold; the switch then stands as at its end.
   void moments(const double* v, double* moment);
   /// Inner nodes of v so that it has these moments; its ends stand.
@@ -40,7 +49,7 @@ class BranchPropagator {
 
   const chain::MemoryKernel* memory_ = nullptr;
   const HoldNodes* nodes_ = nullptr;
-  bool kinked_ = false;
+  Place place_;
   double delay_ = 0.0;       ///< in holds
   bool rising_ = true;       ///< direction of the input
   bool branch_ = true;       ///< what the switch stands at

@@ -50,8 +50,8 @@ struct RecordSimulator::Implementation {
     const HoldNodes& nodes;
     HoldPlan plan;
     bool equilibrium = false;
-    double rest = 0.0;    ///< what the signal rests at before the start
-    bool kinked = false;  ///< what reaches the stage now
+    double rest = 0.0;                   ///< what the signal rests at before the start
+    BranchPropagator::Place place = {};  ///< of the stage now
 
     std::size_t values() const {
       std::size_t holds = 0;
@@ -301,7 +301,7 @@ struct RecordSimulator::Implementation {
     if (stage.linear) return run_linear(stage, run);
     jumps.clear();
     double* x = state.data() + stage.state;
-    run.kinked = is_kinked(stage);
+    run.place = {is_kinked(stage), shows_at_nodes_only(stage)};
     std::visit([&](auto& kernel) { run_kernel(kernel, run, x); }, slots[stage.first].kernel());
   }
 
@@ -466,7 +466,7 @@ struct RecordSimulator::Implementation {
   void run_kernel(std::unique_ptr<MemoryKernel>& memory, Run& run, double*) {
     run.rest = memory->has_branches()
                    ? branch.run(*memory, run.nodes, run.plan.spans, signal.data(),
-                                run.equilibrium ? signal[0] : 0.0, run.kinked)
+                                run.equilibrium ? signal[0] : 0.0, run.place)
                    : run_memory(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium);
   }
 

@@ -1,14 +1,28 @@
 #include "simulate/pid.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace bodesmith::simulate {
+namespace {
+
+/// How much of the integral's rate is left this far beyond a limit into which it runs. The step from all to nothing would have
+/// the loop slide along it, without end for a solver: a millionth of the limits' size is no part of any figure.
+double part_left(double beyond, const PidController& c) {
+  const double low = std::isfinite(c.lower) ? std::abs(c.lower) : 0.0;
+  const double high = std::isfinite(c.upper) ? std::abs(c.upper) : 0.0;
+  const double zone = 1e-6 * std::max({low, high, std::numeric_limits<double>::min()});
+  return std::clamp(1.0 - beyond / zone, 0.0, 1.0);
+}
+
+}  // namespace
 
 double continuous_control(const PidController& c, double error, const double* states, double* rates) {
   const double wd = c.derivative_corner.rad_s().value;
   const double free = c.proportional * error + states[0] + c.derivative_s * wd * (error - states[1]);
   rates[0] = c.integral_per_s * error;
-  if ((free > c.upper && rates[0] > 0.0) || (free < c.lower && rates[0] < 0.0)) rates[0] = 0.0;
+  if (c.limited()) rates[0] *= part_left(rates[0] > 0.0 ? free - c.upper : c.lower - free, c);
   rates[1] = c.derivative_s == 0.0 ? 0.0 : wd * (error - states[1]);
   return std::clamp(free, c.lower, c.upper);
 }

@@ -244,6 +244,36 @@ TEST(Feedback, ADelayStandsInTheLoop) {
   }
 }
 
+TEST(Feedback, AnIntegralThatSlidesAlongALimitIsFollowed) {
+  // The error falls so fast that the control would leave the limit, and the integral brings it back.
+  const double w1 = 2.0 * std::numbers::pi * 60.0, w2 = 2.0 * std::numbers::pi * 150.0;
+  const Chain plant{
+      {make_block("lowpass").set("corner_hz", 60.0), make_block("lowpass").set("corner_hz", 150.0)}};
+  TimeRecord r;
+  r.step_s = 1e-3;
+  for (int i = 0; i < 400; ++i) r.u.push_back(0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * 3.3 * i * 1e-3));
+  PidController c;
+  c.proportional = 0.2;
+  c.integral_per_s = 120.0;
+  c.lower = -0.1;
+  c.upper = 0.7;
+  const auto got = simulate_loop(plant, std::nullopt, c, r).y;
+  constexpr int kParts = 500;
+  const double h = r.step_s / kParts;
+  double x = 0.0, y = 0.0, integral = 0.0;
+  for (std::size_t i = 0; i + 1 < r.size(); ++i) {
+    EXPECT_NEAR(got[i], y, 2e-4) << i;
+    for (int k = 0; k < kParts; ++k) {
+      const double error = r.u[i] + (r.u[i + 1] - r.u[i]) * k / kParts - y;
+      const double free = c.proportional * error + integral;
+      if (!(free > c.upper && error > 0.0) && !(free < c.lower && error < 0.0))
+        integral += h * c.integral_per_s * error;
+      x += h * w1 * (std::clamp(free, c.lower, c.upper) - x);
+      y += h * w2 * (x - y);
+    }
+  }
+}
+
 TEST(Feedback, ABlockThatJumpsAtTurnsIsTheLimitOfQuickControllers) {
   // Rising and falling polynomials differ where the drive turns: the loop turns it back soon, and again.
   const Chain plant{{make_block("polynomial_hysteresis")

@@ -1,6 +1,7 @@
 #include "simulate/ode/ode_system.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace bodesmith::simulate {
 
@@ -46,7 +47,9 @@ std::vector<double> OdeSystem::corners() const {
 }
 
 double OdeSystem::fastest_rate() const {
-  double out = 0.0;
+  // What keeps an integral from a limit is as stiff as it is narrow.
+  const bool limited = loop_ && loop_->controller.period_s == 0.0 && loop_->controller.limited();
+  double out = limited ? std::numeric_limits<double>::infinity() : 0.0;
   for (const Placed& placed : parts_) out = std::max(out, placed->fastest_rate());
   return out;
 }

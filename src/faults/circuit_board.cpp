@@ -199,14 +199,17 @@ double CircuitBoard::tolerance(std::size_t part) const {
   return 0.01 * (resistor ? spread_.resistor_percent : spread_.capacitor_percent);
 }
 
-Effect CircuitBoard::changed(std::size_t part, double factor) const {
+Stamp CircuitBoard::times_admittance(std::size_t part, double factor) const {
   const schematic::Part& p = circuit_.parts[part];
   const bool resistor = p.kind == schematic::Part::Kind::resistor;
+  return admittance(p.from, p.to, resistor ? factor / p.realised : 0.0, resistor ? 0.0 : factor * p.realised);
+}
+
+Effect CircuitBoard::changed(std::size_t part, double factor) const {
+  const bool resistor = circuit_.parts[part].kind == schematic::Part::Kind::resistor;
   const double more = resistor ? 1.0 / factor : factor;  // of the admittance
-  const double y = resistor ? 1.0 / p.realised : p.realised;
   Effect out;
-  out.stamps = {
-      admittance(p.from, p.to, resistor ? (more - 1.0) * y : 0.0, resistor ? 0.0 : (more - 1.0) * y)};
+  out.stamps = {times_admittance(part, more - 1.0)};
   out.spread = {{unknown_of_part_[part], more}};
   return out;
 }
@@ -222,13 +225,10 @@ Effect CircuitBoard::replaced(std::size_t part, double siemens) const {
 void CircuitBoard::find_unknowns(const CircuitBoard* like) {
   const double ft = 2.0 * std::numbers::pi * model_.gain_bandwidth.value;
   for (std::size_t i = 0; i < circuit_.parts.size(); ++i) {
-    const schematic::Part& p = circuit_.parts[i];
-    const bool resistor = p.kind == schematic::Part::Kind::resistor;
+    const bool resistor = circuit_.parts[i].kind == schematic::Part::Kind::resistor;
     const double sigma = kSigmaOfTolerance * tolerance(i);
-    const Stamp stamp =
-        admittance(p.from, p.to, resistor ? -sigma / p.realised : 0.0, resistor ? 0.0 : sigma * p.realised);
     unknown_of_part_.push_back(unknowns_.size());
-    unknowns_.push_back({p.name, true, stamp});
+    unknowns_.push_back({circuit_.parts[i].name, true, times_admittance(i, resistor ? -sigma : sigma)});
   }
   std::vector<Unknown> small;
   const double opamp_sigma = 0.01 * spread_.opamp_percent;
@@ -403,11 +403,9 @@ std::vector<Board::SolderedPart> CircuitBoard::soldered_parts() const {
 }
 
 Effect CircuitBoard::in_parallel(std::size_t part, double factor) const {
-  const schematic::Part& p = circuit_.parts[part];
-  const bool resistor = p.kind == schematic::Part::Kind::resistor;
+  const bool resistor = circuit_.parts[part].kind == schematic::Part::Kind::resistor;
   Effect out;
-  out.stamps = {admittance(p.from, p.to, resistor ? 1.0 / (factor * p.realised) : 0.0,
-                           resistor ? 0.0 : factor * p.realised)};
+  out.stamps = {times_admittance(part, resistor ? 1.0 / factor : factor)};
   return out;
 }
 

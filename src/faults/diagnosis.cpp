@@ -149,14 +149,6 @@ class BoardSearch {
   Noise noise_;
 };
 
-double worst_error_of(const Board& board, const Finding& finding) {
-  const Residual left = residual_of(board, board.response(finding.effect()));
-  double worst = 0.0;
-  for (std::size_t k = 0; k < left.gain.size(); ++k)
-    worst = std::max(worst, std::abs(std::polar(std::exp(left.gain[k]), left.phase[k]) - 1.0));
-  return 100.0 * worst;
-}
-
 /// Probabilities from weights, summed by site and by part.
 void share_out(const Board& board, const std::vector<Finding>& findings, Diagnosis& out) {
   const double best = findings.front().log_weight();
@@ -172,7 +164,9 @@ void share_out(const Board& board, const std::vector<Finding>& findings, Diagnos
       continue;
     }
     const auto [at, is_new] = by_site.try_emplace(f.site(), out.suspects.size());
-    if (is_new) out.suspects.push_back({f.site(), 0.0, f, worst_error_of(board, f)});
+    if (is_new)
+      out.suspects.push_back(
+          {f.site(), 0.0, f, std::ranges::max(differences_percent(board, board.response(f.effect())))});
     out.suspects[at->second].probability += probability;
     for (const Fault* fault : f.faults) {
       for (const std::string& part : fault->parts) by_part[part] += probability;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <complex>
 #include <functional>
 #include <string>
@@ -80,6 +81,15 @@ struct Fault {
       replaces;  ///< indices of the parts (of the circuit) to exchange, if that is the rework
 
   bool has_size() const { return to > from; }
+  /// Of one name, with a size exp(t) between these.
+  static Fault of(const std::string& name, double least = 1.0, double most = 1.0) {
+    Fault out;
+    out.parts = {name};
+    out.site = name;
+    out.from = std::log(least);
+    out.to = std::log(most);
+    return out;
+  }
 };
 
 /// A kind of fault: where on a board it can be. Each is an object in a file of its own in kinds/.

@@ -129,6 +129,14 @@ Residual residual_of(const Board& board, const Eigen::VectorXcd& response) {
   return out;
 }
 
+std::vector<double> differences_percent(const Board& board, const Eigen::VectorXcd& response) {
+  const Residual left = residual_of(board, response);
+  std::vector<double> out(left.gain.size());
+  for (std::size_t k = 0; k < out.size(); ++k)
+    out[k] = 100.0 * std::abs(std::polar(std::exp(left.gain[k]), left.phase[k]) - 1.0);
+  return out;
+}
+
 Likelihood::Likelihood(const Board& board, const Prediction& prediction, const Noise& noise,
                        double part_spread) {
   set(board, prediction, noise, part_spread, nullptr);

@@ -18,6 +18,8 @@ struct Residual {
   Eigen::VectorXd rows() const;
 };
 Residual residual_of(const Board& board, const Eigen::VectorXcd& response);
+/// |measured/response - 1| in percent, a point each; gains alone where no phase was measured.
+std::vector<double> differences_percent(const Board& board, const Eigen::VectorXcd& response);
 
 /// Density of the measurement under one explanation, the parts' own errors x integrated out:
 ///   y - ln H = S x + n,  x normal with covariance 1, n with covariance V,

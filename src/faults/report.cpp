@@ -78,15 +78,11 @@ std::string words_of(const Finding& finding) {
   return join(out, ", and ");
 }
 
-std::vector<double> frequencies(const Channel& channel) {
-  return hertz_values(channel.grid);
-}
-
 /// A response (from point `first` on) as two curves.
 void add_response(report::BodePlot& plot, const std::string& name, const Channel& channel,
                   const Eigen::VectorXcd& response, std::size_t first, Series::Style style) {
-  Series magnitude{name, frequencies(channel), {}, style};
-  Series phase{name, frequencies(channel), {}, style};
+  Series magnitude{name, hertz_values(channel.grid), {}, style};
+  Series phase{name, hertz_values(channel.grid), {}, style};
   for (std::size_t i = 0; i < channel.grid.size(); ++i) {
     const std::complex<double> h = response(eigen_index(first + i));
     magnitude.y.push_back(to_decibel(std::max(std::abs(h), 1e-9)));
@@ -97,7 +93,7 @@ void add_response(report::BodePlot& plot, const std::string& name, const Channel
 }
 
 void add_measured(report::BodePlot& plot, const Channel& channel) {
-  Series magnitude{"measured", frequencies(channel), {}, Series::Style::marks};
+  Series magnitude{"measured", hertz_values(channel.grid), {}, Series::Style::marks};
   Series phase = magnitude;
   for (const double g : channel.log_gain) magnitude.y.push_back(g * kDecibelPerNeper);
   for (const double p : channel.phase_rad)
@@ -130,13 +126,10 @@ void add_suspects(report::Page& page, const Diagnosis& d) {
   table.head = {"suspect", "probability", "what it would be", "left of the difference, %"};
   for (const Suspect& s : d.suspects) {
     if (table.rows.size() >= 12 || (table.rows.size() >= d.tied && s.probability < 1e-5)) break;
-    std::vector<std::string> words;
-    for (std::size_t i = 0; i < s.best.faults.size(); ++i)
-      words.push_back(s.best.faults[i]->words(s.best.sizes[i]));
     if (table.rows.size() < d.tied && d.verdict != Verdict::nothing_wrong)
       table.marked.push_back(table.rows.size());
-    table.rows.push_back({s.site, rounded_text(s.probability, 3), join(words, ", and "),
-                          rounded_text(s.worst_error_percent, 3)});
+    table.rows.push_back(
+        {s.site, rounded_text(s.probability, 3), words_of(s.best), rounded_text(s.worst_error_percent, 3)});
   }
   page.table(
       table,

@@ -7,6 +7,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "project/run_project.hpp"
+#include "report/plot.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
@@ -74,6 +75,22 @@ std::string Measured::summary(const fs::path& folder) const {
   out += fmt::format("look at    {}\n", (folder / "measured" / "report.html").string());
   if (wrong()) out += fmt::format("           {}\n", (folder / "next" / "gap.svg").string());
   return out;
+}
+
+std::string GapPicture::svg() const {
+  using report::Series;
+  const auto plot = [&](const std::string& title, const Series& first, const Series& second) {
+    report::Plot out;
+    out.title = title;
+    out.x = {x_label, logarithmic};
+    out.y = {"%"};
+    out.series = {first, second};
+    return out;
+  };
+  std::vector<report::Plot> all = {
+      plot("Measured less predicted", {"as it was designed", x, gap}, {"with what was found", x, left})};
+  if (!before.empty()) all.push_back(plot(what, {"measured", x, before}, {"predicted of next/", x, after}));
+  return report::stack_svg(all);
 }
 
 Measured run_measured(const project::ProjectSource& source, const fs::path& data, const fs::path& folder,

@@ -39,6 +39,18 @@ struct Measured {
   std::string summary(const std::filesystem::path& folder) const;
 };
 
+/// gap.svg: the gap before and with what was found, and beneath it what the hardware did and what next/ will do.
+struct GapPicture {
+  std::string x_label;
+  bool logarithmic = false;
+  std::vector<double> x;
+  std::vector<double> gap, left;      ///< percent
+  std::vector<double> before, after;  ///< percent; empty: not known
+  std::string what;                   ///< of those: "error of tracking"
+
+  std::string svg() const;
+};
+
 /// `data`: a response of the built circuit (frequency_hz, magnitude_db, phase_deg), or a record (time_s, u, y) of the
 /// controller, the stage or both. `folder`: what `run` wrote of this project; where nothing stands the project is run first.
 /// Writes measured/ and, where something is wrong, next/.

@@ -12,7 +12,6 @@
 #include "gap/report/files.hpp"
 #include "gap/report/words.hpp"
 #include "measured/measured.hpp"
-#include "measured/picture.hpp"
 #include "measured/suspects.hpp"
 #include "project/run_project.hpp"
 #include "signal/csv.hpp"

@@ -12,7 +12,6 @@
 #include "faults/plan_board.hpp"
 #include "faults/report.hpp"
 #include "measured/measured.hpp"
-#include "measured/picture.hpp"
 #include "signal/csv.hpp"
 #include "signal/statistics.hpp"
 #include "synthesis/circuit_file.hpp"
@@ -26,15 +25,6 @@ namespace fs = std::filesystem;
 using faults::Board;
 using faults::Diagnosis;
 using schematic::Part;
-
-/// |measured/response - 1| in percent, a point each; gains alone where no phase was measured.
-std::vector<double> differences(const Board& board, const Eigen::VectorXcd& response) {
-  const faults::Residual left = faults::residual_of(board, response);
-  std::vector<double> out(left.gain.size());
-  for (std::size_t k = 0; k < out.size(); ++k)
-    out[k] = 100.0 * std::abs(std::polar(std::exp(left.gain[k]), left.phase[k]) - 1.0);
-  return out;
-}
 
 std::vector<double> differences(const Eigen::VectorXcd& got, const Eigen::VectorXcd& wanted) {
   std::vector<double> out;
@@ -84,7 +74,7 @@ void add_next(const synthesis::Circuit& circuit, const Board& board, const Diagn
   const auto rivals = std::span(d.suspects).first(d.tied);
   next.add("as_built.sub", library(with_values(circuit, rivals.front().best), "what was built, as measured"));
   out.next_name = "response_percent";
-  picture.before = differences(board, board.good_response());
+  picture.before = faults::differences_percent(board, board.good_response());
   out.before_percent = worst(picture.before);
   picture.after.assign(picture.before.size(), 0.0);
   synthesis::Circuit mended = circuit;
@@ -133,7 +123,7 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
   double least = std::numeric_limits<double>::infinity();
   const auto consider = [&](std::unique_ptr<Board> one, const fs::path& file, const char* name) {
     Diagnosis d = faults::diagnose_board(*one, asked);
-    const double left = rms(differences(
+    const double left = rms(faults::differences_percent(
         *one, d.suspects.empty() ? one->good_response() : one->response(d.suspects.front().best.effect())));
     if (!(left < least)) return;
     least = left;
@@ -174,8 +164,14 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
   const Eigen::VectorXcd good = board.good_response();
   const Eigen::VectorXcd best =
       found.suspects.empty() || !named ? good : board.response(found.suspects.front().best.effect());
-  GapPicture picture{"frequency, Hz",          true, {}, differences(board, good),
-                     differences(board, best), {},   {}, "Response from the design, %"};
+  GapPicture picture{"frequency, Hz",
+                     true,
+                     {},
+                     faults::differences_percent(board, good),
+                     faults::differences_percent(board, best),
+                     {},
+                     {},
+                     "Response from the design, %"};
   out.gap_percent = rms(picture.gap);
   out.left_percent = rms(picture.left);
   out.noise_percent = noise_percent();

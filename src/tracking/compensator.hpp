@@ -49,12 +49,11 @@ struct FilterAndSchedule {
 };
 
 /// A compensator known by its frequency response, e.g. the ideal fractional cascade: worked out harmonic by
-/// harmonic. `approximation` (high order, with `approximation_error_db`) stands for it in the time domain,
+/// harmonic. `approximation` (of high order) stands for it in the time domain,
 /// when given.
 struct ResponseCompensator {
   std::function<std::complex<double>(RadPerSecond)> response;
   std::optional<Sections> approximation;
-  double approximation_error_db = 0.0;
 };
 
 using Compensator = std::variant<Uncompensated, ConstantGain, Sections, ResponseCompensator, ScheduledGain,

@@ -54,7 +54,6 @@ ResponseCompensator ideal(const Cascade& cascade) {
   options.order = 8;
   const auto got = approximate_cascade(cascade, options);
   r.approximation = got.sections;
-  r.approximation_error_db = got.error.everywhere_db;
   return r;
 }
 

@@ -183,12 +183,11 @@ int run_controller(const std::vector<std::string>& arguments) {
         "made for full strokes: at {} of it the stage's loop is another one (an `amplitude` table builds gains for it)",
         rounded_text(reference.alpha())));
 
-  Json json = json_header("analog_controller", from);
-  json.update(controller::to_json(built));
+  Json json = controller::to_json(built);
   json["reference"] = {{"waveform", std::string(to_string(reference.shape()))},
                        {"amplitude", reference.alpha()}};
   json[checked ? "as_built" : "predicted"] = controller::to_json(cases);
-  json["timing_s"] = {{"compute", compute_s}};
+  json = timed_document("analog_controller", from, json, compute_s);
   std::string text = built_summary(built) + as_built_summary(cases, checked);
   const bool met = !limit || controller::worst_percent(cases) <= *limit;
   if (!met) {

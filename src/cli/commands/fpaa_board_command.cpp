@@ -52,9 +52,7 @@ std::vector<fpaa::Bytes> read_streams(const std::string& path, Provenance& from)
 
 int finish_comparison(const CommandLine& line, const std::string& name, const Provenance& from,
                       const std::vector<std::string>& differences, double seconds) {
-  Json summary = json_header(name, from);
-  summary["differences"] = differences;
-  summary["timing_s"] = {{"compute", seconds}};
+  const Json summary = timed_document(name, from, {{"differences", differences}}, seconds);
   std::string text;
   for (const std::string& difference : differences) text += difference + "\n";
   text += differences.empty()
@@ -97,9 +95,7 @@ int run_fpaa_streams(const std::vector<std::string>& arguments) {
   out.add("set_capacitors.c", fpaa::c_calls(plan, project, options, line.files()[0]));
   out.add("packets.bin", packets);
   out.commit();
-  Json summary = json_header("fpaa_streams", from);
-  summary["chips"] = chips;
-  summary["timing_s"] = {{"compute", watch.seconds()}};
+  const Json summary = timed_document("fpaa_streams", from, {{"chips", chips}}, watch.seconds());
   std::string text;
   for (const auto& [name, bytes] : arrays) text += fmt::format("{}: {} bytes\n", name, bytes.size());
   return print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), summary);

@@ -276,10 +276,9 @@ int plan_board(const std::vector<std::string>& arguments) {
 
   const fpaa::ErrorBudget budget =
       fpaa::error_budget(plan, sections, options.assumptions, read_opamp_model(line));
-  Json json = json_header("fpaa_plan", from);
-  json.update(plan.to_json());
+  Json json = plan.to_json();
   json["budget"] = budget.to_json();
-  json["timing_s"] = {{"compute", seconds}};
+  json = timed_document("fpaa_plan", from, json, seconds);
   if (stream) json["stream"] = stream->json;
   const auto limit = line.maybe<double>("max-error-percent");
   write_plan(line.output_path(), plan, json, stream ? &stream->files : nullptr, netlist_parts(line));

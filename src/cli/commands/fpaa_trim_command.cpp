@@ -187,10 +187,9 @@ int run_fpaa_trim(const std::vector<std::string>& arguments) {
   json.update(trim.plan.to_json());
   out.add("plan.json", to_text(json));
   out.add("build_sheet.md", fpaa::build_sheet_markdown(trim.plan));
-  Json summary = json_header("fpaa_trim", from);
-  summary.update(trim.to_json());
+  Json summary = trim.to_json();
   summary["mismatch"] = options.mismatch.to_json();
-  summary["timing_s"] = {{"compute", seconds}};
+  summary = timed_document("fpaa_trim", from, summary, seconds);
   out.add("trim.json", to_text(summary));
   add_updates(line, plan, trim.plan, from, out);
   out.commit();

@@ -199,14 +199,13 @@ int run_layout(const std::vector<std::string>& arguments) {
   const double compute_s = watch.seconds();
   for (const std::string& warning : layout.warnings) note(warning);
 
-  Json json = json_header("layout", from);
-  json.update(to_json(layout));
+  Json json = to_json(layout);
   json["budget"] = to_json(budget);
   if (layout.switched()) {
     json["timing"] = to_json(timing);
     json["budget"]["transient"] = generator::transient_budget_json(timing);
   }
-  json["timing_s"] = {{"compute", compute_s}};
+  json = timed_document("layout", from, json, compute_s);
   std::string text = layout_summary(layout, budget) + timing_summary(layout, timing);
   if (line.has("check")) {
     const generator::DisturbanceCheck check =

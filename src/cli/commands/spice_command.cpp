@@ -125,15 +125,14 @@ int run_spice(const std::vector<std::string>& arguments) {
   for (const std::string& reason : choice.passed_over)
     note(fmt::format("{}; made as {}", reason, choice.best.how));
 
-  Json circuit = json_header("circuit", from);
-  circuit.update(to_json(made));
+  Json circuit = to_json(made);
   circuit["realization"] = choice.best.realisation;
   circuit["made_as"] = choice.best.how;
   circuit["passed_over"] = choice.passed_over;
   circuit["opamp_check"] = to_json(choice.best.opamps);
   circuit["judged"] = synthesis::judged_json(choice.best.judged, choice.best.judged_band);
   circuit["shortfalls"] = choice.best.shortfalls;
-  circuit["timing_s"] = {{"compute", compute_s}};
+  circuit = timed_document("circuit", from, circuit, compute_s);
   std::string text = circuit_summary(choice, options);
   if (has_flanks([&](Hertz f) { return sections.response(f.rad_s()); }, made.report.band))
     text += std::string(kFlanksText) + "\n";

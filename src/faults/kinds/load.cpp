@@ -40,11 +40,7 @@ std::vector<Fault> load_faults(const CircuitBoard& board, const Load& load) {
   std::vector<Fault> out;
   for (const std::string& node : board.nodes()) {
     const std::string where = node == "out" ? "the output" : "node " + node;
-    Fault fault;
-    fault.parts = {where};
-    fault.site = where;
-    fault.from = std::log(load.least);
-    fault.to = std::log(load.most);
+    Fault fault = Fault::of(where, load.least, load.most);
     fault.effect = [&board, node, stamp = load.stamp, driven = is_driven(board, node)](double t) {
       Effect effect;
       effect.stamps = {stamp(board, node, std::exp(t))};

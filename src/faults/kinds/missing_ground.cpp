@@ -63,11 +63,7 @@ class MissingGround : public FaultKind {
   }
 
   static Fault start(const std::string& name, double from, double to) {
-    Fault out;
-    out.parts = {name};
-    out.site = name;
-    out.from = std::log(from);
-    out.to = std::log(to);
+    Fault out = Fault::of(name, from, to);
     out.words = [name](double) {
       return fmt::format("the non-inverting input of {} is not connected to ground", name);
     };

@@ -16,9 +16,7 @@ std::string value_key(const schematic::Part& part) {
 
 Fault fault_of_part(const CircuitBoard& board, std::size_t part) {
   const schematic::Part& p = board.circuit().parts[part];
-  Fault out;
-  out.parts = {p.name};
-  out.site = p.name;
+  Fault out = Fault::of(p.name);
   out.rework = fmt::format("replace {} by {}", p.name, value_text(p, p.realised));
   out.replaces = {part};
   return out;

@@ -42,11 +42,7 @@ class SlowOpAmp : public FaultKind {
   static Fault slow(const CircuitBoard& board, const std::vector<std::size_t>& which,
                     const std::string& name) {
     const double hz = board.opamp().gain_bandwidth.value;
-    Fault out;
-    out.parts = {name};
-    out.site = name;
-    out.from = std::log(kSlowest);
-    out.to = std::log(kFastest);
+    Fault out = Fault::of(name, kSlowest, kFastest);
     out.effect = [&board, which](double t) {
       Effect effect;
       effect.model_error = kSlowModelError;

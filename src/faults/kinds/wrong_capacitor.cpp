@@ -61,9 +61,7 @@ class WrongCapacitor : public FaultKind {
 
  private:
   static Fault start(const PlanBoard& board, std::size_t i) {
-    Fault out;
-    out.parts = {board.capacitors()[i]};
-    out.site = board.capacitors()[i];
+    Fault out = Fault::of(board.capacitors()[i]);
     out.rework = fmt::format("write {} to {} again", board.units()[i], board.capacitors()[i]);
     out.replaces = {i};
     return out;

@@ -46,12 +46,10 @@ class WrongClock : public FaultKind {
  private:
   static void add(const PlanBoard& board, const std::vector<std::size_t>& cams, const std::string& name,
                   double hz, double factor, std::vector<Fault>& out) {
-    Fault fault;
-    fault.parts = {name};
-    fault.site = name;
     Effect effect;
     for (const std::size_t cam : cams) effect.clocks.emplace_back(cam, factor);
     if (!board.can_run(effect)) return;
+    Fault fault = Fault::of(name);
     fault.effect = [effect](double) { return effect; };
     fault.words = [name, hz, factor](double) {
       return fmt::format("{} runs at {} instead of {}", name, engineering_text(hz * factor, "Hz", 4),

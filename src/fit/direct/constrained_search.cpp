@@ -169,8 +169,6 @@ class StepProgram {
       p.a.block(0, level, 2 * errors, 1).setConstant(-1.0);
       p.b.head(errors) = -at.error / unit;
       p.b.segment(errors, errors) = at.error / unit;
-      p.pairs = errors;
-      p.level = level;
       row = 2 * errors;
     }
     p.a.block(row, 0, box.b.size(), n) = box.a;

@@ -10,11 +10,15 @@
 #include "hysteresis/model_type.hpp"
 #include "hysteresis/prandtl_ishlinskii.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
+#include "numeric/optimisation/bounded_least_squares.hpp"
 #include "numeric/optimisation/least_squares.hpp"
-#include "numeric/optimisation/non_negative_least_squares.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
+
+/// Of the largest: what a squared column holds less is rounding.
+constexpr double kLeastAxis = 1e-14;
 
 struct BankFit {
   PrandtlIshlinskii model;
@@ -22,6 +26,29 @@ struct BankFit {
   Eigen::VectorXd deviation;  ///< of w…, offset
   bool converged = true;
 };
+
+/// min |A x - y|² from AᵀA and Aᵀy, the last unknown free, the others not below 0.
+Eigen::VectorXd solve_non_negative(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs) {
+  const Eigen::Index n = rhs.size() - 1;
+  // The free one follows the others: what is left of their columns without its column decides.
+  const Eigen::VectorXd shared = gram.col(n).head(n) / gram(n, n);
+  const SymmetricEigen axes = symmetric_eigen(gram.topLeftCorner(n, n) - shared * gram.row(n).head(n));
+  const Eigen::VectorXd along = transpose_times(axes.vectors, rhs.head(n) - shared * rhs(n));
+  LongMatrix a;
+  LongVector b;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!(axes.values(i) > kLeastAxis * axes.values(n - 1))) continue;
+    const double length = std::sqrt(axes.values(i));
+    const Eigen::VectorXd row = length * axes.vectors.col(i);
+    a.emplace_back(row.begin(), row.end());
+    b.push_back(along(i) / length);
+  }
+  const LongVector found = bounded_least_squares(a, b, 0.0L, std::numeric_limits<long double>::infinity()).x;
+  Eigen::VectorXd x(n + 1);
+  std::copy(found.begin(), found.end(), x.begin());
+  x(n) = rhs(n) / gram(n, n) - shared.dot(x.head(n));
+  return x;
+}
 
 /// Of a linear least-squares solution with some unknowns held at 0: those are not estimated.
 Eigen::VectorXd deviation_of_free(const Eigen::MatrixXd& gram, const std::vector<Eigen::Index>& free,
@@ -54,23 +81,20 @@ BankFit fit_bank(std::span<const TimeRecord> records, double skip_s, PrandtlIshl
     rhs += y * row;
   });
   gram = gram.selfadjointView<Eigen::Lower>();
-  std::vector<bool> free_sign(model.r.size() + 1, false);
-  free_sign.back() = true;
-  const NonNegativeResult solved = non_negative_least_squares(gram, rhs, free_sign);
+  const Eigen::VectorXd x = solve_non_negative(gram, rhs);
   std::vector<double> residual;
-  visit([&](double y) { residual.push_back(row.dot(solved.x) - y); });
+  visit([&](double y) { residual.push_back(row.dot(x) - y); });
   std::vector<Eigen::Index> free;
   for (Eigen::Index k = 0; k <= n; ++k)
-    if (k == n || solved.x(k) > 0.0) free.push_back(k);
+    if (k == n || x(k) > 0.0) free.push_back(k);
   BankFit out;
-  out.converged = converged(solved.termination);
   out.cost = as_eigen(residual).squaredNorm();
   out.deviation = deviation_of_free(gram, free, as_eigen(residual));
-  model.w = to_vector(solved.x.head(n));
+  model.w = to_vector(x.head(n));
   // Without a linear part there is no inverse; a thousandth of the whole is far below what a record shows.
   const double total = std::accumulate(model.w.begin(), model.w.end(), 0.0);
   model.w[0] = std::max(model.w[0], 1e-3 * std::max(total, 1e-300));
-  model.offset = solved.x(n) + middle;
+  model.offset = x(n) + middle;
   out.model = std::move(model);
   return out;
 }

@@ -278,65 +278,11 @@ double step_to_boundary(const VectorXd& value, const VectorXd& change) {
   return 1.0 / std::max(1.0, -change.cwiseQuotient(value).minCoeff());
 }
 
-/// The inequalities' matrix. Of rows that come in pairs one is kept: S x + l t and -S x + l t.
-class Inequalities {
- public:
-  explicit Inequalities(const QuadraticProgram& p)
-      : pairs_(p.pairs),
-        level_(p.level),
-        alike_(pairs_ > 0 ? VectorXd(p.a.col(level_).head(pairs_)) : VectorXd()),
-        pair_(opposite(p)),
-        rest_(p.a.bottomRows(p.a.rows() - 2 * p.pairs)) {}
-
-  VectorXd times(const VectorXd& x) const {
-    if (pairs_ == 0) return rest_.times(x);
-    VectorXd out(2 * pairs_ + rest_.rows());
-    const VectorXd opposite = pair_.times(x);
-    const VectorXd alike = alike_ * x(level_);
-    out.head(pairs_) = alike + opposite;
-    out.segment(pairs_, pairs_) = alike - opposite;
-    out.tail(rest_.rows()) = rest_.times(x);
-    return out;
-  }
-  VectorXd transpose_times(const VectorXd& z) const {
-    if (pairs_ == 0) return rest_.transpose_times(z);
-    const auto up = z.head(pairs_);
-    const auto down = z.segment(pairs_, pairs_);
-    VectorXd out = rest_.transpose_times(z.tail(rest_.rows())) + pair_.transpose_times(up - down);
-    out(level_) += alike_.dot(up + down);
-    return out;
-  }
-  MatrixXd gram(const VectorXd& w) const {
-    if (pairs_ == 0) return rest_.gram(w);
-    const VectorXd both = w.head(pairs_) + w.segment(pairs_, pairs_);
-    MatrixXd out = rest_.gram(w.tail(rest_.rows())) + pair_.gram(both);
-    const VectorXd mixed =
-        pair_.transpose_times((w.head(pairs_) - w.segment(pairs_, pairs_)).cwiseProduct(alike_));
-    out.col(level_) += mixed;
-    out.row(level_) += mixed.transpose();
-    out(level_, level_) += both.dot(alike_.cwiseAbs2());
-    return out;
-  }
-
- private:
-  static MatrixXd opposite(const QuadraticProgram& p) {
-    MatrixXd out = p.a.topRows(p.pairs);
-    if (p.pairs > 0) out.col(p.level).setZero();
-    return out;
-  }
-
-  Index pairs_;
-  Index level_;
-  VectorXd alike_;   ///< the column `level` of either
-  TallMatrix pair_;  ///< the first of each two rows, with nothing in the column `level`
-  TallMatrix rest_;
-};
-
 }  // namespace
 
 QuadraticProgramResult solve_quadratic_program(const QuadraticProgram& p, const VectorXd& start) {
   const Index m = p.a.rows();
-  const Inequalities a(p);
+  const TallMatrix a(p.a);
   VectorXd x = start;
   const double scale = 1.0 + p.c.cwiseAbs().maxCoeff();
   VectorXd s = (p.b - a.times(x)).cwiseMax(1e-3 * (1.0 + p.b.cwiseAbs().maxCoeff()));

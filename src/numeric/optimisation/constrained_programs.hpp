@@ -34,10 +34,6 @@ struct QuadraticProgram {
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
   double gap = 1e-9;  ///< relative, at which it counts as solved
-  /// Of a smallest largest error the first 2 pairs rows: row pairs + i is row i with the other sign, but for the column
-  /// `level`, where both are alike.
-  Eigen::Index pairs = 0;
-  Eigen::Index level = 0;
 };
 
 struct QuadraticProgramResult {

@@ -8,25 +8,13 @@
 
 namespace bodesmith {
 
-// Least squares over x >= 0 twice, because the sizes are worlds apart: the active set solves for tens of
-// unknowns to rounding and needs the whole normal matrix; the conjugate gradients need only products, for the
-// tens of thousands of weights of a Preisach plane, whose normal matrix would fill gigabytes.
-
 struct NonNegativeResult {
   Eigen::VectorXd x;
-  double cost = 0.0;  ///< ½ |A x − b|²; of the map form only
+  double cost = 0.0;  ///< ½ |A x − b|²
   double kkt = 0.0;   ///< |projected gradient| relative to |Aᵀ b| (scaled columns)
   int iterations = 0;
   Termination termination = Termination::max_iterations;
 };
-
-/// min |A x − y|² subject to x_i ≥ 0 for all but the columns marked in `free_sign`, from G = AᵀA and c = Aᵀy
-/// (Lawson and Hanson's active set in the form of Bro and de Jong, J. Chemometrics 11 (1997) 393). Ends at a
-/// point that satisfies the Kuhn-Tucker conditions to `tolerance` relative to |c|∞, or after 3 n + 10
-/// exchanges.
-NonNegativeResult non_negative_least_squares(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs,
-                                             const std::vector<bool>& free_sign = {},
-                                             double tolerance = 1e-12);
 
 /// A linear map that is only known by its products; A is never formed.
 struct LinearMap {
@@ -42,7 +30,8 @@ struct NonNegativeOptions {
   double min_gain = 1e-5;  ///< or when 50 iterations together gain less than this part of the cost
 };
 
-/// min ½ |A x − b|² over x ≥ 0 for a large map. Dostál's MPRGP (Modified Proportioning with Reduced Gradient
+/// min ½ |A x − b|² over x ≥ 0 for the tens of thousands of weights of a Preisach plane, whose normal matrix would fill
+/// gigabytes (tens of unknowns: bounded_least_squares()). Dostál's MPRGP (Modified Proportioning with Reduced Gradient
 /// Projections, SIAM J. Optim. 7 (1997) 871): conjugate gradients on the free variables, projected steps when
 /// a bound is met, release of bounds when the gradient there outweighs; finite for strictly convex problems.
 /// `scale` > 0 where a column counts (its reciprocal length is a good choice), 0 keeps the variable at 0.

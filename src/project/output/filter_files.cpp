@@ -6,7 +6,6 @@
 
 #include "base/documents/json.hpp"
 #include "base/text.hpp"
-#include "project/output/artefacts.hpp"
 #include "project/output/run_files.hpp"
 #include "project/report/report_chapters.hpp"
 #include "project/run.hpp"
@@ -137,7 +136,7 @@ std::string filter_page(const FilterRun& run) {
 constexpr int kTableRows = 241;
 
 std::string document(std::string_view schema, const FilterRun& run, const Json& body) {
-  return artefact_json(schema, run.from, body, run.design.compute_s);
+  return to_text(timed_json(schema, run.from, body, run.design.compute_s));
 }
 
 void add_circuit_files(const FilterRun& run, OutputSet& out) {

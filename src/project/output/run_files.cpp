@@ -2,7 +2,8 @@
 
 #include "base/documents/json.hpp"
 #include "chain/model_file.hpp"
-#include "project/output/artefacts.hpp"
+#include "fpaa/sheets/board_picture.hpp"
+#include "fpaa/sheets/build_sheet.hpp"
 #include "project/output/run_model.hpp"
 #include "schematic/writers/kicad/schematic.hpp"
 #include "synthesis/circuit_file.hpp"
@@ -14,7 +15,7 @@ namespace bodesmith::project {
 namespace {
 
 std::string json_file(std::string_view schema, const ProjectRun& run, const Json& body) {
-  return artefact_json(schema, run.from, body, run.design.compute_s);
+  return to_text(timed_json(schema, run.from, body, run.design.compute_s));
 }
 
 std::string sections_file(const ProjectRun& run) {
@@ -66,6 +67,13 @@ void add_controller(const ProjectRun& run, OutputSet& out) {
 }
 
 }  // namespace
+
+void add_board_files(const fpaa::Plan& plan, std::string plan_json, OutputSet& out) {
+  out.add("fpaa/plan.json", std::move(plan_json));
+  out.add("fpaa/board.svg", fpaa::board_picture_svg(plan));
+  out.add("fpaa/build_sheet.md", fpaa::build_sheet_markdown(plan));
+  out.add("fpaa/build_sheet.html", fpaa::build_sheet_html(plan));
+}
 
 OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folder) {
   OutputSet out(folder);

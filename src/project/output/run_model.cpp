@@ -9,8 +9,8 @@
 #include "base/hertz_values.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
+#include "synthesis/controller/as_built.hpp"
 #include "synthesis/controller/at_rest.hpp"
-#include "synthesis/controller/circuit_controller.hpp"
 #include "tolerance/controller/errors.hpp"
 
 namespace bodesmith::project {
@@ -108,7 +108,9 @@ class ControllerAtRest final : public tracking::BuiltController {
 
   std::string key() const override { return "controller_at_rest"; }
   std::string name() const override { return "analog controller (closed form, at rest)"; }
-  int part_count() const override { return controller::CircuitController(controller_).part_count(); }
+  int part_count() const override {
+    return controller::CircuitController(controller_, std::nullopt).part_count();
+  }
   tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override {
     const Block loop =
         loop_of(*controller_, disturbance_, operating, schematic::Deviations::none(*controller_));

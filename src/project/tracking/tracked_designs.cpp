@@ -29,7 +29,6 @@ tracking::ResponseCompensator ideal_cascade(const Design& design) {
   closer.max_error_db = 1e-5;
   const CascadeApproximation reference = approximate_cascade(design.fit.cascade, closer);
   ideal.approximation = reference.sections;
-  ideal.approximation_error_db = reference.error.everywhere_db;
   return ideal;
 }
 

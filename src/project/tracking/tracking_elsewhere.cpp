@@ -14,7 +14,7 @@
 #include "project/tracking/tracked_plant.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "signal/statistics.hpp"
-#include "synthesis/controller/circuit_controller.hpp"
+#include "synthesis/controller/as_built.hpp"
 #include "tracking/track.hpp"
 
 namespace bodesmith::project {

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "schematic/netlist.hpp"
 #include "synthesis/controller/controller.hpp"
+#include "tracking/built_controller.hpp"
 #include "tracking/reference.hpp"
 #include "tracking/stage.hpp"
 
@@ -64,5 +67,23 @@ SteadyState run_in_cvode(const AnalogController& controller, const tracking::Ref
 /// switch. InputError when the slope never reaches the detector's threshold.
 double switch_delay_s(const AnalogController& controller, const tracking::Reference& reference,
                       Hertz operating);
+
+/// The circuit for a tracking study: its netlist in ngspice, or without it by CVODE.
+class CircuitController final : public tracking::BuiltController {
+ public:
+  explicit CircuitController(std::shared_ptr<const AnalogController> controller,
+                             std::optional<NgspiceRun> options)
+      : controller_(std::move(controller)), options_(options) {}
+
+  std::string key() const override { return options_ ? "controller_circuit" : "controller_cvode"; }
+  std::string name() const override;
+  int part_count() const override;
+  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override;
+  const AnalogController& circuit() const { return *controller_; }
+
+ private:
+  std::shared_ptr<const AnalogController> controller_;
+  std::optional<NgspiceRun> options_;
+};
 
 }  // namespace bodesmith::controller

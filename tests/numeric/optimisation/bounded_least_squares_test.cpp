@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <atomic>
 #include <cmath>
 #include <numbers>
@@ -57,42 +59,6 @@ TEST(QuadraticProgram, MeetsItsConstraints) {
   EXPECT_LT(balance.norm(), 1e-6);
 }
 
-// min t, |e_i + s_i x| <= t: with rows told to be pairs the same answer as without.
-TEST(QuadraticProgram, RowsInPairsAreTheSameProgram) {
-  constexpr Eigen::Index kErrors = 30;
-  QuadraticProgram problem;
-  problem.q = Eigen::MatrixXd::Zero(4, 4);
-  problem.c = Eigen::Vector4d(0.0, 0.0, 1.0, 0.0);
-  problem.a = Eigen::MatrixXd::Zero(2 * kErrors + 6, 4);
-  problem.b = Eigen::VectorXd::Ones(2 * kErrors + 6);
-  for (Eigen::Index i = 0; i < kErrors; ++i) {
-    const double at = static_cast<double>(i) / kErrors;
-    const Eigen::RowVector4d slope(1.0, at, 0.0, std::sin(7.0 * at));
-    problem.a.row(i) = slope;
-    problem.a.row(kErrors + i) = -slope;
-    problem.a(i, 2) = problem.a(kErrors + i, 2) = -1.0;
-    problem.b(i) = -std::exp(at);
-    problem.b(kErrors + i) = std::exp(at);
-  }
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const Eigen::Index variable = k < 2 ? k : 3;
-    problem.a(2 * kErrors + 2 * k, variable) = 1.0;
-    problem.a(2 * kErrors + 2 * k + 1, variable) = -1.0;
-  }
-  const Eigen::Vector4d start(0.0, 0.0, 5.0, 0.0);
-  const QuadraticProgramResult plain = solve_quadratic_program(problem, start);
-  problem.pairs = kErrors;
-  problem.level = 2;
-  const QuadraticProgramResult paired = solve_quadratic_program(problem, start);
-  ASSERT_TRUE(plain.solved);
-  ASSERT_TRUE(paired.solved);
-  EXPECT_LT((plain.x - paired.x).cwiseAbs().maxCoeff(), 1e-7);
-  EXPECT_LT((plain.multiplier - paired.multiplier).cwiseAbs().maxCoeff(), 1e-6);
-  // Less than what the best constant leaves of e^x, and within the box.
-  EXPECT_LT(paired.x(2), 0.5 * (std::exp(1.0) - 1.0));
-  EXPECT_LE(paired.x.cwiseAbs()(0), 1.0 + 1e-8);
-}
-
 TEST(QuadraticProgram, ALinearProgramEndsInItsCorner) {
   QuadraticProgram problem;
   problem.q = MatrixXd::Zero(2, 2);
@@ -115,6 +81,10 @@ TEST(BoundedLeastSquares, SatisfiesKuhnAndTuckerAndReducesToTheFreeSolution) {
     const BoundedSolution tight = bounded_least_squares(a, b, -0.1L, 0.1L);
     EXPECT_LT(static_cast<double>(tight.optimality_residual), 1e-15);
     for (const long double v : tight.x) EXPECT_LE(std::abs(static_cast<double>(v)), 0.1 + 1e-18);
+    const BoundedSolution positive =
+        bounded_least_squares(a, b, 0.0L, std::numeric_limits<long double>::infinity());
+    EXPECT_LT(static_cast<double>(positive.optimality_residual), 1e-15);
+    for (const long double v : positive.x) EXPECT_GE(v, 0.0L);
     const BoundedSolution wide = bounded_least_squares(a, b, -1e3L, 1e3L);
     const LongVector free = least_squares(a, b);
     for (std::size_t i = 0; i < 4; ++i) {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith {
@@ -28,10 +27,10 @@ Problem random_problem(Index rows, Index columns, std::uint64_t seed) {
 }
 
 /// The Kuhn-Tucker conditions of min |A x − b|², x >= 0.
-void expect_optimal(const Problem& p, const VectorXd& x, double tolerance, Index free_column = -1) {
+void expect_optimal(const Problem& p, const VectorXd& x, double tolerance) {
   const VectorXd gradient = p.a.transpose() * (p.a * x - p.b);
   for (Index i = 0; i < x.size(); ++i) {
-    if (i == free_column || x(i) > 0.0) {
+    if (x(i) > 0.0) {
       EXPECT_NEAR(gradient(i), 0.0, tolerance) << i;
     } else {
       EXPECT_EQ(x(i), 0.0) << i;
@@ -40,45 +39,17 @@ void expect_optimal(const Problem& p, const VectorXd& x, double tolerance, Index
   }
 }
 
-TEST(NonNegative, TheActiveSetSatisfiesKuhnAndTucker) {
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    const Problem p = random_problem(40, 12, seed);
-    const auto found = non_negative_least_squares(gram(p.a), transpose_times(p.a, p.b));
-    EXPECT_EQ(found.termination, Termination::gradient);
-    expect_optimal(p, found.x, 1e-9);
-  }
-}
-
-TEST(NonNegative, ColumnsOfFreeSignMayBeNegative) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const Problem p = random_problem(30, 6, seed);
-    std::vector<bool> free_sign(6, false);
-    free_sign[2] = true;
-    const auto found = non_negative_least_squares(gram(p.a), transpose_times(p.a, p.b), free_sign);
-    expect_optimal(p, found.x, 1e-9, 2);
-  }
-}
-
-TEST(NonNegative, EqualColumnsShareTheWeight) {
-  Problem p = random_problem(20, 2, 5);
-  p.a.col(1) = p.a.col(0);
-  p.b = 3.0 * p.a.col(0);
-  const auto found = non_negative_least_squares(gram(p.a), transpose_times(p.a, p.b));
-  EXPECT_NEAR(found.x.sum(), 3.0, 1e-6);
-}
-
-TEST(NonNegative, TheMapFormAgreesWithTheActiveSet) {
+TEST(NonNegative, ItSatisfiesKuhnAndTucker) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Problem p = random_problem(80, 30, 100 + seed);
-    const auto exact = non_negative_least_squares(gram(p.a), transpose_times(p.a, p.b));
     LinearMap map{30, 80, [&](const VectorXd& x, VectorXd& y) { y = p.a * x; },
                   [&](const VectorXd& r, VectorXd& g) { g = p.a.transpose() * r; }};
     const VectorXd scale = p.a.colwise().norm().cwiseInverse();
     const auto found = non_negative_least_squares(
         map, p.b, VectorXd::Zero(30), scale, {.tolerance = 1e-12, .max_iterations = 5000, .min_gain = 0.0});
     EXPECT_EQ(found.termination, Termination::gradient);
-    EXPECT_LT((found.x - exact.x).norm(), 1e-8 * (1.0 + exact.x.norm()));
-    EXPECT_NEAR(found.cost, 0.5 * (p.a * exact.x - p.b).squaredNorm(), 1e-9);
+    expect_optimal(p, found.x, 1e-8);
+    EXPECT_NEAR(found.cost, 0.5 * (p.a * found.x - p.b).squaredNorm(), 1e-9);
   }
 }
 

@@ -8,7 +8,6 @@
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 #include "schematic/plain_number.hpp"
-#include "schematic/references.hpp"
 #include "schematic/writers/kicad/devices.hpp"
 
 namespace bodesmith::kicad {
@@ -30,12 +29,32 @@ const char* capacitor_footprint(double farad) {
   return "Capacitor_THT:C_Rect_L7.2mm_W5.5mm_P5.00mm_FKS2_FKP2_MKS2_MKP2";
 }
 
+/// References as a board's drawing and its parts list number them (IEEE 315): the letter of the kind, then the
+/// part's place among its kind: R1, R2, C1, D1, U1.
+class ReferenceCounter {
+ public:
+  std::string next(const std::string& letter) { return letter + std::to_string(++count_[letter]); }
+
+ private:
+  std::map<std::string, int> count_;
+};
+
+/// Of Netlist::parts, one by one in their order.
+std::vector<std::string> part_references(const Netlist& netlist, ReferenceCounter& counter) {
+  std::vector<std::string> out;
+  for (const Part& part : netlist.parts)
+    out.push_back(counter.next(part.kind == Part::Kind::resistor    ? "R"
+                               : part.kind == Part::Kind::capacitor ? "C"
+                                                                    : "D"));
+  return out;
+}
+
 class GroupMaker {
  public:
   GroupMaker(const Netlist& netlist, const std::vector<std::string>& ports,
              const schematic::Tolerances& tolerances, const std::vector<ChainStage>& chain)
       : netlist_(netlist), ports_(ports), tolerances_(tolerances), chain_(chain) {
-    const std::vector<std::string> references = schematic::part_references(netlist, counter_);
+    const std::vector<std::string> references = part_references(netlist, counter_);
     for (std::size_t i = 0; i < references.size(); ++i) references_[netlist.parts[i].name] = references[i];
     for (const OpAmp& one : netlist.opamps) place_opamp(one);
     for (const Multiplier& one : netlist.multipliers) devices_[one.name] = next_package();
@@ -268,7 +287,7 @@ class GroupMaker {
   std::map<std::string, Place> opamps_;
   std::map<std::string, ContactPlace> contacts_;
   std::map<std::string, std::string> devices_, references_;
-  schematic::ReferenceCounter counter_;
+  ReferenceCounter counter_;
 };
 
 }  // namespace

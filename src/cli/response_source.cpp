@@ -16,6 +16,7 @@
 #include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
 #include "lti/fractional_transfer.hpp"
+#include "lti/judge_responses.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/ngspice/plain_netlist.hpp"
@@ -61,15 +62,6 @@ void set_sections(ResponseSource& source, const Sections& sections) {
     LevelAndPhase curves = require_numbers(level_and_phase(rational, grid), stem, grid);
     for (std::size_t i = 0; i < grid.size(); ++i) curves.phase_deg[i] -= 360.0 * grid[i].value * delay_s;
     return curves;
-  };
-}
-
-template <class Response>
-Evaluate pointwise(Response response) {
-  return [response = std::move(response)](const std::vector<Hertz>& grid) {
-    std::vector<Complex> out;
-    for (const Hertz f : grid) out.push_back(response(f.rad_s()));
-    return out;
   };
 }
 
@@ -121,7 +113,7 @@ void load_model(const Node& node, ResponseSource& source) {
                                  chain.blocks[i].type_name()));
     }
   }
-  set_evaluation(source, pointwise([chain](RadPerSecond w) { return *chain.response(w); }));
+  set_evaluation(source, at_each([chain](RadPerSecond w) { return *chain.response(w); }));
 }
 
 /// This program's own documents; everything else is measured or simulated.
@@ -230,7 +222,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   if (schema == "bodesmith.cascade/1") {
     const Cascade cascade = Cascade::from_node(node);
     source.band = usable(cascade.corner_band());
-    set_evaluation(source, pointwise([cascade](RadPerSecond w) { return cascade.response(w); }));
+    set_evaluation(source, at_each([cascade](RadPerSecond w) { return cascade.response(w); }));
   } else if (schema == "bodesmith.sections/1" || schema == "bodesmith.controller/1") {
     const Sections sections = sections_of(node, path.parent_path(), from);
     source.band = usable(sections.corner_band());
@@ -238,7 +230,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   } else if (schema == "bodesmith.fpaa_plan/1") {
     const fpaa::Plan plan = fpaa::Plan::from_node(node);
     source.band = usable(plan.error.band);
-    set_evaluation(source, pointwise([plan, runs = options.as_it_runs](RadPerSecond w) {
+    set_evaluation(source, at_each([plan, runs = options.as_it_runs](RadPerSecond w) {
                      return fpaa::plan_response(plan, w, runs);
                    }));
   } else if (schema == "bodesmith.circuit/1") {
@@ -249,7 +241,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
     });
   } else if (schema == "bodesmith.fractional/1") {
     const FractionalTransfer transfer = FractionalTransfer::from_node(node);
-    set_evaluation(source, pointwise([transfer](RadPerSecond w) { return transfer.response(w); }));
+    set_evaluation(source, at_each([transfer](RadPerSecond w) { return transfer.response(w); }));
   } else if (schema == "bodesmith.model/1") {
     load_model(node, source);
   } else {

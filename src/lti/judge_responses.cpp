@@ -69,6 +69,14 @@ void refine_at_peaks(const Peaks& peaks, const Add& add) {
 
 }  // namespace
 
+Responses at_each(std::function<std::complex<double>(RadPerSecond)> response) {
+  return [response = std::move(response)](const std::vector<Hertz>& grid) {
+    std::vector<std::complex<double>> out;
+    for (const Hertz f : grid) out.push_back(response(f.rad_s()));
+    return out;
+  };
+}
+
 std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vector<double>& curve) {
   constexpr double kNear = 0.9;
   std::vector<Hertz> out;

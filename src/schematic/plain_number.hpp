@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace bodesmith::schematic {
 
@@ -13,5 +15,8 @@ inline std::string plain_number(double value) {
 
 /// SPICE's own number: 4.7k, 1meg, 10uF. False where there is none.
 bool spice_value(const std::string& text, double& value);
+
+/// The words of a line, between blanks and tabs.
+std::vector<std::string> words_of(std::string_view line);
 
 }  // namespace bodesmith::schematic

@@ -50,13 +50,8 @@ void report_realised(Realised& made, const Sections& sections, Band band,
   const auto wanted = [&](const Grid& grid) { return responses(sections, grid); };
   const auto ideal = [&](const Grid& grid) { return made.circuit.responses(grid); };
   const auto real = [&](const Grid& grid) { return schematic::network_response(made.circuit, grid); };
-  const auto rounded = [&](const Grid& grid) {
-    std::vector<std::complex<double>> out;
-    for (const Hertz f : grid) out.push_back(nearest(f.rad_s()));
-    return out;
-  };
   report.parts = judge_responses(ideal, wanted, band);
-  report.nearest = judge_responses(rounded, wanted, band);
+  report.nearest = judge_responses(at_each(nearest), wanted, band);
   report.opamps = judge_responses(real, ideal, band);
   report.all = judge_responses(real, wanted, band);
   measure_nodes(made.circuit,

@@ -51,17 +51,7 @@ tolerance::PartErrors part_errors_given(const CommandLine& line) {
     if (cut == std::string::npos || !parse_number(std::string_view(pair).substr(cut + 1), value) ||
         value < 0.0)
       line.fail(fmt::format("--error '{}', expected NAME=VALUE with a value of 0 or more", pair));
-    std::vector<std::string> names;
-    bool known = false;
-    for (const auto& one : tolerance::PartErrors::names()) {
-      names.emplace_back(one.name);
-      if (name != one.name) continue;
-      out.*one.value = value;
-      known = true;
-    }
-    if (!known)
-      line.fail(fmt::format("--error {}: not known{}, expected one of {}", name, did_you_mean(name, names),
-                            join(names, ", ")));
+    if (const auto wrong = out.set(name, value)) line.fail(fmt::format("--error {} {}", name, *wrong));
   }
   return out;
 }

@@ -26,14 +26,6 @@ double max_error_at_points(const Project& project, const DesignStage& stage) {
   return out;
 }
 
-Responses sampled(const DesignStage& stage) {
-  return [&stage](const std::vector<Hertz>& grid) {
-    std::vector<Complex> out;
-    for (const Hertz f : grid) out.push_back(stage.response(f.rad_s()));
-    return out;
-  };
-}
-
 /// Harmonics of one operating frequency are harmonics of others, too: each is worked out once.
 FrequencyResponse remembered(const FrequencyResponse& response) {
   const auto known = std::make_shared<std::unordered_map<double, Complex>>();
@@ -129,7 +121,8 @@ Budget make_budget(const Project& project, const Design& design) {
     row.stage = stage.name;
     if (stage.previous) {
       row.previous = stages[*stage.previous].name;
-      row.against_previous = judge_responses(sampled(stage), sampled(stages[*stage.previous]), budget.band);
+      row.against_previous =
+          judge_responses(at_each(stage.response), at_each(stages[*stage.previous].response), budget.band);
     }
     row.points_max_db = max_error_at_points(project, stage);
     row.waveform = waveform(remembered(stage.response));

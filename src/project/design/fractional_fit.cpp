@@ -65,11 +65,7 @@ void add_integrators(Sections& sections, int integrators) {
 
 /// Over the band, not at the points that were fitted.
 void state_error(const FractionalTransfer& transfer, Band band, DirectFit& fit) {
-  const auto wanted = [&](const std::vector<Hertz>& grid) {
-    std::vector<std::complex<double>> out;
-    for (const Hertz f : grid) out.push_back(transfer.response(f.rad_s()));
-    return out;
-  };
+  const Responses wanted = at_each([&](RadPerSecond w) { return transfer.response(w); });
   const ResponseDifference off = judge_responses(
       [&](const std::vector<Hertz>& grid) { return responses(fit.sections, grid); }, wanted, band);
   fit.max_db = off.max_magnitude_db;

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
+#include "schematic/plain_number.hpp"
 
 namespace bodesmith::ngspice {
 namespace {
@@ -201,10 +202,7 @@ std::vector<Subcircuit> list_subcircuits(const std::string& text, const std::str
   int depth = 0, number = 0, opened = 0;
   for (const std::string_view raw : split(text, '\n')) {
     ++number;
-    std::vector<std::string> words;
-    for (const std::string_view word : split(trim(raw), ' ')) {
-      if (!trim(word).empty()) words.emplace_back(trim(word));
-    }
+    const std::vector<std::string> words = schematic::words_of(raw);
     if (words.empty()) continue;
     const std::string first = lower_case(words[0]);
     if (first == ".subckt") {

@@ -16,21 +16,6 @@
 namespace bodesmith::ngspice {
 namespace {
 
-std::vector<std::string> words_of(std::string_view line) {
-  std::vector<std::string> out;
-  std::string word;
-  for (const char c : line) {
-    if (c == ' ' || c == '\t' || c == '\r') {
-      if (!word.empty()) out.push_back(std::move(word));
-      word.clear();
-    } else {
-      word += c;
-    }
-  }
-  if (!word.empty()) out.push_back(std::move(word));
-  return out;
-}
-
 class UserDeckReader {
  public:
   UserDeckReader(const std::filesystem::path& path, std::string node) : path_(path), node_(std::move(node)) {}
@@ -77,7 +62,7 @@ class UserDeckReader {
       text_ = "a user's deck\n";  // not its own title, which ngspice may take for the beginning of a script
       return;
     }
-    const std::vector<std::string> words = words_of(raw);
+    const std::vector<std::string> words = schematic::words_of(raw);
     if (words.empty() || words[0][0] == '*') return;
     const std::string first = lower_case(words[0]);
     if (control_ > 0) {

@@ -19,14 +19,6 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-Words words_of(std::string_view line) {
-  Words out;
-  for (const std::string_view word : split(line, ' ')) {
-    if (!trim(word).empty()) out.emplace_back(trim(word));
-  }
-  return out;
-}
-
 /// Data sheets' figures are short: what a product with twelve digits has left of them.
 double short_number(double value) {
   double out = value;

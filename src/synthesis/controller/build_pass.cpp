@@ -123,14 +123,7 @@ void Builder::output(Pass& pass, const std::string& tail) {
   enter("subtraction" + tail);
   const double on = out_.analog_switch.on_ohm;
   const double input = options_.resistors.nearest(kSwitchLoad);
-  double feedback = options_.resistors.nearest((input + on) / out_.branch_gain);
-  if ((input + on) / feedback > out_.branch_gain) {
-    for (const double r : options_.resistors.values(feedback, feedback * 2.5)) {
-      if ((input + on) / r > out_.branch_gain) continue;
-      feedback = r;
-      break;
-    }
-  }
+  const double feedback = options_.resistors.nearest_above((input + on) / out_.branch_gain);
   out_.branch_gain = (input + on) / feedback;
   // The pair whose ratio comes nearest: the reference's own gain must not depend on rounding.
   const double ratio = (input + on) / feedback;

@@ -74,11 +74,7 @@ class Amplitude : private synthesis::NetlistMaker {
     const double wanted = input * layout_.multiplier.scale_v / layout_.branch_gain * greatest /
                           (kRoom * std::min(options_.full_scale_v, layout_.multiplier.greatest_input_v));
     // The next value up makes the control voltage smaller, not larger.
-    double feedback = wanted;
-    for (const double r : options_.resistors.values(wanted, 2.5 * wanted)) {
-      feedback = r;
-      break;
-    }
+    const double feedback = options_.resistors.nearest_above(wanted);
     group = layout_.part(layout_.output_feedback).group;
     out_.output_feedback = resistor("Rga", "amplitude: output amplifier, feedback in place of Rg", "mo",
                                     "out", feedback, feedback);

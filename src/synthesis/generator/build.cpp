@@ -147,16 +147,8 @@ class Builder : private synthesis::NetlistMaker {
     const double asked = greatest > 0.0 ? std::min(kRoom * options_.full_scale_v / greatest, 50.0) : 1.0;
     const double input = 20e3;
     const double on = input_.branches.size() > 1 ? out_.analog_switch.on_ohm : 0.0;
-    double feedback = options_.resistors.nearest((input + on) / asked);
     // Never above full scale: the next value up lowers the gain.
-    if ((input + on) / feedback > asked) {
-      for (const double r : options_.resistors.values(feedback, feedback * 2.5)) {
-        if ((input + on) / r <= asked) {
-          feedback = r;
-          break;
-        }
-      }
-    }
+    const double feedback = options_.resistors.nearest_above((input + on) / asked);
     if (feedback > 10e6) {
       throw DesignError(
           fmt::format("the coefficients need nodes of {} V per volt of output, more than resistors up to 10 "

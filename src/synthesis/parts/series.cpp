@@ -110,6 +110,15 @@ std::vector<double> Series::values(double low, double high) const {
   return out;
 }
 
+double Series::nearest_above(double value) const {
+  const double out = nearest(value);
+  if (out >= value) return out;
+  for (const double above : values(value, 2.5 * value)) {  // E3 has gaps of a factor 2.2
+    if (above >= value) return above;
+  }
+  return out;
+}
+
 double Series::nearest(double value) const {
   return nearest(value, 1).front();
 }

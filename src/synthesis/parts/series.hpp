@@ -25,6 +25,8 @@ class Series {
   std::vector<double> values(double low, double high) const;
   /// Nearest in log; the value itself for `exact`. Rounds up a decade when that is nearer (9.95 to 10).
   double nearest(double value) const;
+  /// The nearest that is not below; the value itself for `exact`.
+  double nearest_above(double value) const;
   /// The `count` nearest values, nearest first; the value itself for `exact`.
   std::vector<double> nearest(double value, int count) const;
 

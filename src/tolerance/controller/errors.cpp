@@ -110,17 +110,21 @@ const std::vector<PartErrors::Named>& PartErrors::names() {
 PartErrors PartErrors::from_node(const Node& node) {
   PartErrors out;
   for (const auto& [key, value] : node.members()) {
-    std::vector<std::string> known;
-    const Named* found = nullptr;
-    for (const Named& one : names()) {
-      known.emplace_back(one.name);
-      if (key == one.name) found = &one;
-    }
-    if (found == nullptr)
-      value.fail("is not known" + did_you_mean(key, known) + ", expected one of " + join(known, ", "));
-    out.*found->value = value.non_negative();
+    if (const auto wrong = out.set(key, 0.0)) value.fail(*wrong);
+    out.set(key, value.non_negative());
   }
   return out;
+}
+
+std::optional<std::string> PartErrors::set(const std::string& name, double to) {
+  std::vector<std::string> known;
+  for (const Named& one : names()) {
+    known.emplace_back(one.name);
+    if (name != one.name) continue;
+    this->*one.value = to;
+    return std::nullopt;
+  }
+  return "is not known" + did_you_mean(name, known) + ", expected one of " + join(known, ", ");
 }
 
 std::vector<Cause> causes_of(const AnalogController& controller, const PartErrors& errors) {

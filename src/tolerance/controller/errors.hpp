@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,8 @@ struct PartErrors {
     double PartErrors::*value;
   };
   static const std::vector<Named>& names();
+  /// Sets the figure of that name; where there is none what is wrong with it: "is not known, expected one of …".
+  std::optional<std::string> set(const std::string& name, double to);
   /// A table with any of those names; others are errors with file and line.
   static PartErrors from_node(const Node& node);
 };

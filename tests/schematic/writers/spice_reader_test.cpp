@@ -35,7 +35,7 @@ constexpr const char* kDeck = R"(A Sallen-Key, as people write it
 V1 IN gnd DC 0 AC 1
 Vcc vcc 0 15
 Vee vee 0 DC -15
-r1 in A 10K
+r1	in A	10K
 R2 a b {R2}
 C1 a OUT 22nF
 C2 b gnd

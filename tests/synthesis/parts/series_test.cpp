@@ -27,6 +27,18 @@ TEST(Series, NearestRoundsUpADecade) {
   EXPECT_EQ(Series::stock("drawer", {470.0, 100.0}).nearest(300.0), 470.0);
 }
 
+TEST(Series, NearestAboveIsTheFirstThatIsNotBelow) {
+  for (const char* name : {"E3", "E12", "E96"}) {
+    const Series series = Series::named(name);
+    for (double wanted = 1e3; wanted < 2e4; wanted *= 1.037) {
+      const double got = series.nearest_above(wanted);
+      EXPECT_GE(got, wanted) << name;
+      for (const double value : series.values(wanted, got)) EXPECT_EQ(value, got) << name << " " << wanted;
+    }
+  }
+  EXPECT_EQ(Series::named("exact").nearest_above(1234.5), 1234.5);
+}
+
 TEST(Series, NamesWhatItExpects) {
   EXPECT_THROW(Series::named("E97"), InputError);
   EXPECT_THROW(Series::stock("drawer", {}), InputError);

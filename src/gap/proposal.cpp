@@ -95,8 +95,6 @@ Unknown logarithmic_unknown(std::string name, double low, double high) {
   u.low = low;
   u.high = high;
   u.logarithmic = true;
-  if (u.name.ends_with("_hz")) u.unit = "Hz";
-  if (u.name.ends_with("_s")) u.unit = u.name.ends_with("_per_s") ? "/s" : "s";
   return u;
 }
 

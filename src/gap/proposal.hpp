@@ -39,7 +39,6 @@ Proposal propose_term(Model model, Term term, Starts starts);
 std::string inside_block(const Model& model, std::size_t position);
 
 Unknown linear_unknown(std::string name, double low, double high, double scale);
-/// Of a name that ends in _hz or _s it has that unit.
 Unknown logarithmic_unknown(std::string name, double low, double high);
 
 /// The base model's blocks whose parameter `key` is at 0 and not refitted anyhow: where an effect may set it.

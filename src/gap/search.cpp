@@ -44,26 +44,12 @@ std::vector<Step> steps_of(const SearchSetting& setting, const Model& base, Beam
   return steps;
 }
 
-/// What a candidate without a name explains is no noise: of the rms, and by its evidence.
-constexpr double kMuchOfRest = 0.2;
-constexpr double kSurely = 15.0;
-
-std::optional<Sign> sign_of_refused(const SearchResult& result) {
-  double most = 0.0;
-  for (const auto& r : result.refused) {
-    if (r.log_evidence > result.log_evidence + kSurely)
-      most = std::max(most, 1.0 - r.train_rms / result.train_rms);
-  }
-  if (!(most > kMuchOfRest)) return std::nullopt;
-  return Sign{SignKind::refused_candidate, most / kMuchOfRest};
-}
-
 }  // namespace
 
 SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& given) {
   SearchOptions options = given;
   // Fits of responses are quick, so that none is given up behind the leader.
-  if (are_responses(train)) options.round.far_behind = options.round.behind = 1e12;
+  if (are_responses(train)) options.round.far_behind = 1e12;
   SearchResult result;
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));
@@ -84,7 +70,6 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.train_rms = beam.best.train_rms;
   result.log_evidence = beam.best.log_evidence;
   if (!result.stopped) result.structure = signs_left(beam.best.model, beam.records);
-  if (auto sign = sign_of_refused(result)) result.structure.push_back(*sign);
   result.final = std::move(beam.best.model);
   result.notes = std::move(beam.best.notes);
   if (beam.smooth_input)

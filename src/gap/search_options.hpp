@@ -34,8 +34,6 @@ struct StretchOptions {
 struct BaseFitOptions {
   double comb_reach = 0.42;  ///< frequencies are tried this far (ln) to both sides of the given ones …
   double comb_step = 0.06;   ///< … in these steps
-  double min_apart = 0.09;   ///< (ln) starts nearer to each other lead to the same place
-  std::size_t max_starts = 4;
   double other_hill = 0.98;  ///< the given values' own neighbourhood is preferred to another hill as good
 };
 
@@ -51,13 +49,8 @@ struct RoundOptions {
   double first_tolerance = 1e-3;
   std::size_t few_unknowns = 4;  ///< of terms whose several starts are tried
   double tolerance = 1e-6;
-  int iterations_a_stage = 5;
-  int stages = 6;
-  double far_behind = 3.0;  ///< times the leader's rms: such a fit stays where it is,
-  double behind = 1.1;      ///< and so does one behind by this
-  double no_nearer = 0.95;  ///< whose last stage left more than this of its rms
-  double far_ahead = 0.8;  ///< times a fit's rms: another place of a linear effect whose values it then gets,
-  double weakened = 8.0;   ///< factor by which the last earlier term is made weak for one more start
+  double far_behind = 3.0;  ///< times the leader's rms, once all have begun: such a fit stays where it is
+  double far_ahead = 0.8;   ///< times a fit's rms: another place of a linear effect whose values it then gets
 };
 
 /// What takes less is of no use, however sure it is [4].

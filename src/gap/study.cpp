@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <complex>
+#include <array>
 #include <tuple>
 #include <utility>
 
@@ -52,29 +51,18 @@ TimeExperiment experiment_with_start(TimeRecord record, const chain::Chain& base
   return TimeExperiment(std::move(record), start);
 }
 
-double range_of(const std::vector<double>& values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
-}
-
-/// The most widely driven record comes first: effects look at it before all others.
 bool comes_before(const TimeRecord& a, const TimeRecord& b) {
-  const double of_a = range_of(a.u);
-  const double of_b = range_of(b.u);
-  if (of_a != of_b) return of_a > of_b;
   return std::tie(a.u, a.y) < std::tie(b.u, b.y);
 }
 
 bool comes_before(const MeasuredResponse& a, const MeasuredResponse& b) {
-  const auto less = [](const auto& x, const auto& y, const auto& key) {
-    return std::lexicographical_compare(
-        x.begin(), x.end(), y.begin(), y.end(),
-        [&](const auto& one, const auto& other) { return key(one) < key(other); });
+  const auto numbers = [](const MeasuredResponse& record) {
+    std::vector<std::array<double, 3>> all;
+    for (std::size_t i = 0; i < record.frequency.size(); ++i)
+      all.push_back({record.frequency[i].value, record.response[i].real(), record.response[i].imag()});
+    return all;
   };
-  const auto hertz = [](Hertz f) { return f.value; };
-  if (less(a.frequency, b.frequency, hertz)) return true;
-  if (less(b.frequency, a.frequency, hertz)) return false;
-  return less(a.response, b.response, [](std::complex<double> h) { return std::pair(h.real(), h.imag()); });
+  return numbers(a) < numbers(b);
 }
 
 /// In the order of what they hold: which of them was named first tells nothing.

@@ -35,8 +35,6 @@ struct Unknown {
   std::string unit = {};  ///< of that parameter ("Hz", "s", "y/s", ...); empty: none
 
   bool is_frequency() const { return unit == "Hz"; }
-  /// A corner frequency or a rate: the larger it is, the less its term does.
-  bool weak_when_large() const { return unit == "Hz" || unit.ends_with("/s"); }
   bool at_bound() const { return value <= low || value >= high; }
 };
 

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "gap/evidence/names.hpp"
 #include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
@@ -167,29 +166,6 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
   return std::nullopt;
 }
 
-/// Two names may each hold the other's place (a lag and creep that of a delay and a gain): from the sets as good as this one, with another
-/// name in the place of one, the exchange that raises the evidence.
-std::optional<PlacedSet> exchanged_from_tie(const SearchSetting& setting, const SearchRecords& records,
-                                            const PlacedSet& set,
-                                            std::set<std::multiset<std::string>>& tried) {
-  for (std::size_t k = 0; k < count_of(set); ++k) {
-    PlacedSet others = without(set, k);
-    others.log_evidence = set.rivals[k].log_evidence_without;
-    std::set<const Effect*> seen = {set.model.terms()[k].effect};
-    for (const auto& r : set.rivals[k].ranking) {
-      const bool tied = r.model.terms().size() == count_of(set) && is_name(r) &&
-                        r.log_evidence > set.log_evidence + std::log(kTied);
-      if (!tied || !seen.insert(r.effect).second) continue;
-      auto tie = with_candidate(others, r, set.rivals[k].ranking);
-      tie.log_evidence = r.log_evidence;
-      tie.train_rms = r.train_rms;
-      auto other = exchanged(setting, records, tie, true, tried);
-      if (other && other->log_evidence > set.log_evidence) return other;
-    }
-  }
-  return std::nullopt;
-}
-
 /// Names taken out and exchanged as long as that raises the evidence.
 PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
   std::set<std::multiset<std::string>> tried;
@@ -198,7 +174,6 @@ PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, P
   for (int turn = 0; turn < kMaxTurns && count_of(set) > 1; ++turn) {
     const bool fresh = turn == 0 && count_of(set) == count && set.rivals.back().ranking.size() > 1;
     auto other = exchanged(setting, records, set, fresh, tried);
-    if (!other) other = exchanged_from_tie(setting, records, set, tried);
     if (!other) break;
     set = dropped(setting, records, std::move(*other));
   }

@@ -39,9 +39,8 @@ Model with_term_at(const Proposal& proposal, std::vector<double> values, std::si
   return model;
 }
 
-/// Where fits begin: the term's best starts; and, as earlier terms and the free parameters may have taken
-/// over what the new one explains better, once with the last earlier term made weak and once from the
-/// parameters as given.
+/// Where fits begin: the term's best starts; and, as the free parameters may have taken over what the new one explains better, once from
+/// them as given.
 std::vector<Model> starting_models(const SearchSetting& setting, const Promising& p) {
   const auto& proposal = p.proposal;
   const auto here = current_values(proposal.model);
@@ -49,17 +48,6 @@ std::vector<Model> starting_models(const SearchSetting& setting, const Promising
   for (std::size_t t = 0; t < tries_of(setting.options.round, p); ++t)
     all.push_back(with_term_at(proposal, here, p.best_starts[t]));
   const auto& terms = proposal.model.terms();
-  if (terms.size() > 1) {
-    const std::size_t last_earlier = terms.size() - 2;
-    const auto& u = terms[last_earlier].unknowns.front();
-    if (u.logarithmic) {
-      auto values = here;
-      double& value = values[proposal.model.first_unknown_of(last_earlier)];
-      const double factor = setting.options.round.weakened;
-      value = std::clamp(u.weak_when_large() ? value * factor : value / factor, u.low, u.high);
-      all.push_back(with_term_at(proposal, values, p.best_starts[0]));
-    }
-  }
   const auto given = current_values(setting.initial);
   if (!given.empty() && terms.size() == 1) {
     auto values = here;
@@ -83,11 +71,10 @@ std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchR
   return best;
 }
 
-/// A fit on its way.
+/// A fit of one of the candidates.
 struct Racer {
   std::size_t candidate = 0;
   FittedModel now;
-  bool stopped = false;
 };
 
 double least_rms(const std::vector<Racer>& racers) {
@@ -96,35 +83,17 @@ double least_rms(const std::vector<Racer>& racers) {
   return least;
 }
 
-bool has_arrived(const FittedModel& fitted) {
-  return fitted.result.termination != Termination::max_iterations;
-}
-
-/// Stage by stage, until all have arrived or stay where they are.
-void race(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
-  const auto& limits = setting.options.round;
-  auto options = fit_options(setting.options, limits.iterations_a_stage);
-  options.cost_tolerance = limits.tolerance;
-  for (int stage = 0; stage < limits.stages && !setting.options.is_late(); ++stage) {
-    const double before = least_rms(racers);
-    for (auto& r : racers) r.stopped = r.stopped || r.now.rms > limits.far_behind * before;
-    std::vector<double> reached(racers.size());
-    parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-      auto& r = racers[i];
-      reached[i] = r.now.rms;
-      if (r.stopped) return;
-      auto fitted = fit(r.now.model, records.look(), options);
-      r.stopped = !fitted.usable() || has_arrived(fitted);
-      if (fitted.usable() && fitted.rms <= r.now.rms) r.now = std::move(fitted);
-    });
-    const double leader = least_rms(racers);
-    for (std::size_t i = 0; i < racers.size(); ++i) {
-      auto& r = racers[i];
-      const bool no_nearer = r.now.rms > limits.no_nearer * reached[i];
-      if (r.now.rms > limits.behind * leader && no_nearer) r.stopped = true;
-    }
-    if (std::all_of(racers.begin(), racers.end(), [](const Racer& r) { return r.stopped; })) return;
-  }
+/// On to the end of all that are in the running.
+void fit_to_the_end(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
+  auto options = fit_options(setting.options, setting.options.iterations);
+  options.cost_tolerance = setting.options.round.tolerance;
+  const double leader = least_rms(racers);
+  parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
+    auto& now = racers[i].now;
+    if (setting.options.is_late() || now.rms > setting.options.round.far_behind * leader) return;
+    auto fitted = fit(now.model, records.look(), options);
+    if (fitted.usable() && fitted.rms <= now.rms) now = std::move(fitted);
+  });
 }
 
 /// The best of the values around the one that unknown `at` has, the others as they are.
@@ -148,7 +117,7 @@ bool hop_around(Runner& runner, std::vector<double>& values, std::size_t at, con
 /// Values that a fit cannot slide along, tried coarsely and finely around where it ended, then fitted on.
 void comb(const SearchSetting& setting, const SearchRecords& records, Racer& racer) {
   const auto unknowns = racer.now.model.unknowns();
-  auto options = fit_options(setting.options, setting.options.round.iterations_a_stage);
+  auto options = fit_options(setting.options, setting.options.refit_iterations);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (unknowns[at].hop <= 0.0 || setting.options.is_late()) continue;
     for (const auto& hops : kHops) {
@@ -227,9 +196,9 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   });
   std::vector<Racer> racers;
   for (std::size_t i = 0; i < begun.size(); ++i) {
-    if (begun[i]) racers.push_back({i, std::move(*begun[i]), false});
+    if (begun[i]) racers.push_back({i, std::move(*begun[i])});
   }
-  race(setting, records, racers);
+  fit_to_the_end(setting, records, racers);
   comb_leaders(setting, records, racers);
   share_values(setting, records, candidates, racers);
   std::vector<std::optional<Ranked>> ranked(candidates.size());

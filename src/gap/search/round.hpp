@@ -35,8 +35,7 @@ std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords
                                const std::vector<Promising>& chosen);
 
 /// Fits candidates in place, with the model's free parameters and all earlier terms: a few steps of each from
-/// several starts, then on from the best in stages; behind each stage those stay where they are that are far
-/// behind the leader, or behind it and no longer coming nearer. One entry a candidate, empty for those that
+/// several starts, then on from the best; those stay where they are that are then far behind the leader. One entry a candidate, empty for those that
 /// cannot be run, lost their way or were not begun in time.
 std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, const SearchRecords& records,
                                                   const std::vector<Promising>& candidates);

@@ -29,18 +29,16 @@ Sign depends_either_way(const Leftover& a, const Leftover& b) {
 }  // namespace
 
 std::string to_string(SignKind kind) {
-  constexpr std::array kWords = {
-      "the residual can be foretold from input and output",
-      "a line stands in the residual's spectrum",
-      "the residual jumps",
-      "the gain varies with time",
-      "the residual keeps to few stretches of time and frequency together",
-      "far more is left at low frequencies than the white floor of the noise",
-      "the residual holds a constant or a straight line",
-      "neighbouring frequencies err alike",
-      "single frequencies err far more than those around them",
-      "an effect that was refused as a name would explain a good part of the residual",
-      "the response depends on the drive"};
+  constexpr std::array kWords = {"the residual can be foretold from input and output",
+                                 "a line stands in the residual's spectrum",
+                                 "the residual jumps",
+                                 "the gain varies with time",
+                                 "the residual keeps to few stretches of time and frequency together",
+                                 "far more is left at low frequencies than the white floor of the noise",
+                                 "the residual holds a constant or a straight line",
+                                 "neighbouring frequencies err alike",
+                                 "single frequencies err far more than those around them",
+                                 "the response depends on the drive"};
   return kWords.at(static_cast<std::size_t>(kind));
 }
 

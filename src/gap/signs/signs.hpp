@@ -25,7 +25,6 @@ enum class SignKind {
   straight_line,
   smooth_over_frequency,
   stands_apart,
-  refused_candidate,
   depends_on_amplitude,  ///< of responses at several drives
 };
 /// For a person: "the residual jumps", ...

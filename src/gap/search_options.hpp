@@ -50,7 +50,6 @@ struct RoundOptions {
   std::size_t few_unknowns = 4;  ///< of terms whose several starts are tried
   double tolerance = 1e-6;
   double far_behind = 3.0;  ///< times the leader's rms, once all have begun: such a fit stays where it is
-  double far_ahead = 0.8;   ///< times a fit's rms: another place of a linear effect whose values it then gets
 };
 
 /// What takes less is of no use, however sure it is [4].

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <optional>
 
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "numeric/fourier.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -16,40 +18,76 @@ constexpr int kHarmonics = 7;
 /// Fewer cycles in the record, as sampled, are a drift or an offset to it.
 constexpr double kMinCycles = 2.0;
 /// Frequencies that are looked at, in one of the record's resolution.
-constexpr double kFiner = 3.0;
+constexpr std::size_t kFiner = 5;
+/// A line's power over the mean of those up to so many resolutions beside it: of noise, one frequency in e^10 reaches that.
+constexpr double kStandsOut = 10.0;
+constexpr std::size_t kBeside = 10;
+/// Lines of a harmonic's neighbourhood that are proposed, and how far apart they are (resolutions).
+constexpr std::size_t kProposed = 2;
+constexpr double kApart = 1.5;
+constexpr double kDoubtAHarmonic = 0.03;
 
 /// Where a frequency comes to lie when sampled.
 double alias_of(double hz, double rate_hz) {
   return std::abs(hz - rate_hz * std::round(hz / rate_hz));
 }
 
-/// The residual's power at a frequency, of any unit.
-double power_at(const Scene& scene, double hz) {
-  const auto turn = std::polar(1.0, Hertz{hz}.rad_s().value * scene.step_s);
-  std::complex<double> pointer = 1.0;
-  std::complex<double> sum = 0.0;
-  for (const double r : scene.residual) {
-    sum += r * pointer;
-    pointer *= turn;
-  }
-  return std::norm(sum);
-}
+struct Line {
+  double nominal_hz = 0.0;
+  double hz = 0.0;
+  double amplitude = 0.0;
+  int harmonic = 1;
 
-/// Where within the grid's tolerance of a nominal frequency the residual has most.
-double strongest_near(const Scene& scene, double nominal_hz) {
-  const double spacing = 1.0 / (kFiner * scene.duration_s);
-  const int count = whole_number<int>(std::floor(kTolerance * nominal_hz / spacing));
-  double best = nominal_hz;
-  double most = power_at(scene, best);
-  for (int k = -count; k <= count; ++k) {
-    const double hz = nominal_hz + spacing * k;
-    if (const double power = power_at(scene, hz); power > most) {
-      most = power;
-      best = hz;
-    }
+  /// Of harmonics that sampling folds to one place the lower one is likelier.
+  double rank() const { return amplitude * (1.0 - kDoubtAHarmonic * harmonic); }
+};
+
+/// The residual's spectrum, fine enough for lines between the record's own frequencies.
+class FineSpectrum {
+ public:
+  explicit FineSpectrum(const Scene& scene) : rate_hz_(1.0 / scene.step_s) {
+    auto padded = scene.residual;
+    padded.resize(smooth_length(kFiner * padded.size()), 0.0);
+    bin_hz_ = rate_hz_ / static_cast<double>(padded.size());
+    for (const auto& value : half_spectrum(padded)) amplitude_.push_back(std::abs(value));
   }
-  return best;
-}
+  /// The largest line within the grid's tolerance of a nominal frequency, where it stands out.
+  std::optional<Line> largest_near(double nominal_hz, int harmonic) const {
+    Line best{nominal_hz, nominal_hz, -1.0, harmonic};
+    const int count = whole_number<int>(std::floor(kTolerance * nominal_hz / bin_hz_));
+    for (int k = -count; k <= count; ++k) {
+      const double hz = nominal_hz + bin_hz_ * k;
+      const double amplitude = amplitude_[bin_of(hz)];
+      if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude, harmonic};
+    }
+    const std::size_t bin = bin_of(best.hz);
+    const double level = std::max(level_over(bin, -1), level_over(bin, 1));
+    if (!(best.amplitude * best.amplitude > kStandsOut * level)) return std::nullopt;
+    return best;
+  }
+
+ private:
+  std::size_t bin_of(double hz) const {
+    const auto bin = whole_number<std::size_t>(alias_of(hz, rate_hz_) / bin_hz_ + 0.5);
+    return std::min(bin, amplitude_.size() - 1);
+  }
+  /// Mean power beside a line, from two resolutions below or above it on.
+  double level_over(std::size_t bin, int side) const {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t d = 2 * kFiner; d < kBeside * kFiner; ++d) {
+      if (side < 0 ? d > bin : bin + d >= amplitude_.size()) break;
+      const double amplitude = amplitude_[side < 0 ? bin - d : bin + d];
+      sum += amplitude * amplitude;
+      ++count;
+    }
+    return count > 0 ? sum / count : 0.0;
+  }
+
+  double rate_hz_;
+  double bin_hz_;
+  std::vector<double> amplitude_;  ///< of any unit
+};
 
 class MainsHum final : public Effect {
  public:
@@ -62,40 +100,48 @@ class MainsHum final : public Effect {
   /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
   /// its alias), its size and phase each record's own.
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    std::vector<Line> lines;
     const double rate = 1.0 / scene.step_s;
-    std::vector<double> proposed;
-    for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
-      for (double mains : {50.0, 60.0}) {
-        const double seen = alias_of(mains * harmonic, rate);
-        if (std::min(seen, 0.5 * rate - seen) * scene.duration_s < kMinCycles) continue;
-        const double hz = strongest_near(scene, mains * harmonic);
-        const double line = alias_of(hz, rate);
-        // Of harmonics that sampling folds to one place the lower one is likelier.
-        if (std::any_of(proposed.begin(), proposed.end(),
-                        [&](double other) { return std::abs(other - line) * scene.duration_s < 1.0; }))
+    const FineSpectrum spectrum(scene);
+    for (double mains : {50.0, 60.0}) {
+      for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
+        const double hz = mains * harmonic;
+        const double seen = alias_of(hz, rate);
+        if (seen * scene.duration_s < kMinCycles || (0.5 * rate - seen) * scene.duration_s < kMinCycles)
           continue;
-        proposed.push_back(line);
-        out.push_back(with_line(scene, mains * harmonic, hz));
+        if (auto line = spectrum.largest_near(hz, harmonic)) lines.push_back(*line);
       }
     }
+    std::stable_sort(lines.begin(), lines.end(),
+                     [](const Line& a, const Line& b) { return a.rank() > b.rank(); });
+    std::vector<Line> proposed;
+    for (const auto& line : lines) {
+      if (proposed.size() >= kProposed) break;
+      const bool seen = std::any_of(proposed.begin(), proposed.end(), [&](const Line& other) {
+        return std::abs(alias_of(other.hz, rate) - alias_of(line.hz, rate)) * scene.duration_s < kApart;
+      });
+      if (!seen) proposed.push_back(line);
+    }
+    for (const auto& line : proposed) out.push_back(with_line(scene, line));
   }
 
  private:
-  Proposal with_line(const Scene& scene, double nominal_hz, double hz) const {
+  Proposal with_line(const Scene& scene, const Line& line) const {
     Model model = *scene.model;
     Term term;
     term.effect = this;
     term.placed = model.placed(model.size());
     const int id = model.insert(
         model.size(),
-        chain::make_block("hum").set("amplitude", 0.0).set("frequency_hz", hz).set("phase_deg", 0.0));
+        chain::make_block("hum").set("amplitude", 0.0).set("frequency_hz", line.hz).set("phase_deg", 0.0));
     term.blocks = {id};
     term.lines = {id};
-    auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * nominal_hz,
-                                    (1.0 + kTolerance) * nominal_hz, 0.1 / scene.duration_s);
+    auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * line.nominal_hz,
+                                    (1.0 + kTolerance) * line.nominal_hz, 0.1 / scene.duration_s);
+    frequency.unit = "Hz";
     term.unknowns = {frequency};
     term.write = [id](Model& m, std::span<const double> v) { m.block(id).set("frequency_hz", v[0]); };
-    return propose_term(std::move(model), std::move(term), {{hz}});
+    return propose_term(std::move(model), std::move(term), {{line.hz}});
   }
 };
 

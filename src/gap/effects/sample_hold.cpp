@@ -22,6 +22,9 @@ chain::Block hold_block(bool half, double clock_hz) {
   return block;
 }
 
+/// Holds of more samples are slower than any drive that could be followed with them.
+constexpr int kMostSamplesHeld = 12;
+
 class SampleHold final : public Effect {
  public:
   SampleHold()
@@ -79,7 +82,11 @@ class SampleHold final : public Effect {
     for (std::size_t place = 0; place < places.size(); ++place) {
       const std::size_t at = places[place];
       for (const bool half : {false, true}) {
-        const Starts& starts = found[2 * place + (half ? 1 : 0)];
+        Starts starts = found[2 * place + (half ? 1 : 0)];
+        // One converter often drives both: clocks of which the sampling is a multiple.
+        for (int samples = 2; samples <= kMostSamplesHeld; ++samples) {
+          if (const double hz = 1.0 / (samples * scene.step_s); hz > scene.band_hz) starts.push_back({hz});
+        }
         if (starts.empty()) continue;
         const auto [low, high] = std::minmax_element(starts.begin(), starts.end());
         auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);

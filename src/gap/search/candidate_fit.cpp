@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -143,48 +142,6 @@ void comb_leaders(const SearchSetting& setting, const SearchRecords& records, st
   });
 }
 
-/// What is linear has the same values at every place: where a fit got stuck far behind another of its effect, it begins again
-/// with that one's.
-void share_values(const SearchSetting& setting, const SearchRecords& records,
-                  const std::vector<Promising>& candidates, std::vector<Racer>& racers) {
-  const auto& limits = setting.options.round;
-  const auto options = fit_options(setting.options, setting.options.iterations);
-  const auto names = [&](const Racer& r) {
-    std::vector<std::string_view> all;
-    for (const auto& term : candidates[r.candidate].proposal.model.terms()) {
-      all.push_back(term.effect->name());
-      for (const auto& u : term.unknowns) all.push_back(u.name);
-    }
-    return all;
-  };
-  const double leader = least_rms(racers);
-  std::vector<const Racer*> from(racers.size(), nullptr);
-  for (std::size_t i = 0; i < racers.size(); ++i) {
-    const auto& term = candidates[racers[i].candidate].proposal.model.terms().back();
-    const auto* effect = term.effect;
-    // A base block's own values are no other's.
-    if (!effect->facts().linear || term.undo) continue;
-    for (const auto& other : racers) {
-      if (candidates[other.candidate].proposal.model.terms().back().effect != effect) continue;
-      if (!(other.now.rms < limits.far_behind * leader)) continue;
-      if (!(other.now.rms < limits.far_ahead * racers[i].now.rms)) continue;
-      if (names(other) != names(racers[i])) continue;
-      if (from[i] == nullptr || other.now.rms < from[i]->now.rms) from[i] = &other;
-    }
-  }
-  std::vector<std::optional<FittedModel>> again(racers.size());
-  parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-    if (from[i] == nullptr || setting.options.is_late()) return;
-    Model model = racers[i].now.model;
-    model.set_values(current_values(from[i]->now.model));
-    auto fitted = fit(std::move(model), records.look(), options);
-    if (fitted.usable() && fitted.rms < racers[i].now.rms) again[i] = std::move(fitted);
-  });
-  for (std::size_t i = 0; i < racers.size(); ++i) {
-    if (again[i]) racers[i].now = std::move(*again[i]);
-  }
-}
-
 }  // namespace
 
 std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, const SearchRecords& records,
@@ -200,7 +157,6 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   }
   fit_to_the_end(setting, records, racers);
   comb_leaders(setting, records, racers);
-  share_values(setting, records, candidates, racers);
   std::vector<std::optional<Ranked>> ranked(candidates.size());
   parallel_for(racers.size(), options.threads, [&](std::size_t i) {
     const auto& candidate = candidates[racers[i].candidate];

@@ -34,16 +34,31 @@ double gap_to_explain(const SearchSetting& setting, const Model& without, double
   return no_form ? rms_without : setting.first_gap;
 }
 
-/// First names for pairs: the best of every effect.
-std::vector<Ranked> firsts_among(const SearchSetting& setting, std::vector<Ranked> ranking) {
+/// What two names leave is all but the same: one can stand for the other.
+bool are_alike(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr double kAlike = 0.97;
+  double ab = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) ab += a[i] * b[i];
+  return ab > kAlike * rms(a) * rms(b) * static_cast<double>(a.size());
+}
+
+/// First names for pairs: the best of every effect, and of those that leave the same (many lags) the best.
+std::vector<Ranked> firsts_among(const SearchSetting& setting, const SearchRecords& records,
+                                 std::vector<Ranked> ranking) {
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
   std::vector<Ranked> firsts;
+  std::vector<std::vector<double>> left;
   std::set<const Effect*> effects;
   for (auto& r : ranking) {
     if (firsts.size() >= setting.options.pairs.firsts) break;
-    if (r.outcome == CandidateOutcome::no_name || !effects.insert(r.effect).second) continue;
+    if (r.outcome == CandidateOutcome::no_name || effects.count(r.effect) != 0) continue;
+    auto residuals = residuals_of(r.model, records.train);
+    if (std::any_of(left.begin(), left.end(), [&](const auto& other) { return are_alike(residuals, other); }))
+      continue;
+    effects.insert(r.effect);
     firsts.push_back(std::move(r));
+    left.push_back(std::move(residuals));
   }
   return firsts;
 }
@@ -145,7 +160,7 @@ bool could_be_fewer(const Model& model) {
 std::vector<std::pair<Ranked, Ranked>> pairs_beside(const SearchSetting& setting,
                                                     const SearchRecords& records,
                                                     const std::vector<Ranked>& first) {
-  const auto firsts = firsts_among(setting, first);
+  const auto firsts = firsts_among(setting, records, first);
   const auto seconds = seconds_beside(setting, records, firsts);
   if (seconds.empty() || setting.options.is_late()) return {};
   std::vector<std::pair<Ranked, Ranked>> pairs;

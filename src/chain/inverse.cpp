@@ -4,20 +4,14 @@
 #include <cmath>
 
 #include "chain/local_chain.hpp"
+#include "numeric/optimisation/root.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
-/// The point between low and high, where the polynomial has the values below and above (in either order), at which
-/// it is y.
-double bisected(const std::vector<double>& c, double low, double high, double y) {
-  const bool rises = polynomial_at(c, high) > polynomial_at(c, low);
-  for (int i = 0; i < 200; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (middle <= low || middle >= high) break;
-    ((polynomial_at(c, middle) < y) == rises ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+/// The point between low and high, where the polynomial is monotone, at which it is y or nearest to it.
+double place_of(const std::vector<double>& c, double low, double high, double y) {
+  return root_between([&](double x) { return polynomial_at(c, x) - y; }, low, high);
 }
 
 /// Where all real roots lie (Cauchy's bound), for coefficients without a zero at the top.
@@ -42,7 +36,7 @@ std::vector<double> sign_changes(std::vector<double> c) {
   for (std::size_t i = 0; i + 1 < places.size(); ++i) {
     const double a = polynomial_at(c, places[i]);
     const double b = polynomial_at(c, places[i + 1]);
-    if ((a < 0.0) != (b < 0.0)) out.push_back(bisected(c, places[i], places[i + 1], 0.0));
+    if ((a < 0.0) != (b < 0.0)) out.push_back(place_of(c, places[i], places[i + 1], 0.0));
   }
   return out;
 }
@@ -133,7 +127,7 @@ FoundInput inverse_of_polynomial(const std::vector<double>& coefficients, const 
   for (std::size_t i = 0; i < wanted.values.size(); ++i) {
     const double y = wanted.values[i];
     if (!best->reaches(y)) out.out_of_reach.push_back(i);
-    out.values.push_back(bisected(coefficients, best->low, best->high, y));
+    out.values.push_back(place_of(coefficients, best->low, best->high, y));
   }
   return out;
 }

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/optimisation/root.hpp"
+
 namespace bodesmith::hysteresis {
 
-BracketingInverse::BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max,
-                                     double tolerance)
-    : forward_(std::move(forward)), u_min_(u_min), u_max_(u_max), tolerance_(tolerance) {
+BracketingInverse::BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max)
+    : forward_(std::move(forward)), u_min_(u_min), u_max_(u_max) {
   u_ = u_min;
   achieved_ = forward_->reset(u_);
 }
@@ -17,94 +18,43 @@ BracketingInverse::BracketingInverse(const BracketingInverse& other)
       forward_(other.forward_->clone()),
       u_min_(other.u_min_),
       u_max_(other.u_max_),
-      tolerance_(other.tolerance_),
       u_(other.u_),
       stride_(other.stride_),
       achieved_(other.achieved_) {}
 
 double BracketingInverse::reset(double y) {
-  // At rest the operator is a plain function of u: bisect on reset() itself.
-  double low = u_min_;
-  double high = u_max_;
-  const double at_low = forward_->reset(low);
-  const double at_high = forward_->reset(high);
-  if (y <= at_low) {
-    u_ = low;
-  } else if (y >= at_high) {
-    u_ = high;
-  } else {
-    for (int i = 0; i < 200 && high - low > 0.0; ++i) {
-      const double middle = 0.5 * (low + high);
-      if (middle <= low || middle >= high) break;
-      (forward_->reset(middle) < y ? low : high) = middle;
-    }
-    u_ = low;
-  }
+  // At rest the operator is a plain function of u.
+  const auto error = [&](double u) { return forward_->reset(u) - y; };
+  u_ = root_between(error, u_min_, u_max_);
   achieved_ = forward_->reset(u_);
   return u_;
 }
 
-/// From where the input stands by growing strides towards the reference y, as far as the limits of the input.
-BracketingInverse::Bracket BracketingInverse::bracket(double y, double dt_s, double error_here) const {
-  Bracket out{u_, error_here, u_, error_here, false};
-  const double limit = error_here < 0.0 ? u_max_ : u_min_;
-  const double direction = error_here < 0.0 ? 1.0 : -1.0;
-  double stride = std::max(stride_, 1e-9 * std::min(u_max_ - u_min_, 1.0 + std::abs(u_)));
-  while (out.b != limit) {
-    const double next = direction > 0.0 ? std::min(out.b + stride, limit) : std::max(out.b - stride, limit);
-    const double error = forward_->peek(next, dt_s) - y;
-    if (error == 0.0 || (error < 0.0) != (error_here < 0.0)) return {out.b, out.error_b, next, error, true};
-    out.b = next;
-    out.error_b = error;
-    stride *= 4.0;
-  }
-  return out;
-}
-
-/// The input inside a closed bracket with the smallest error, by false position with halved weights (Illinois)
-/// and a bisection every third time.
-double BracketingInverse::narrowed(double y, double dt_s, Bracket in) const {
-  double best = in.b;
-  double best_error = std::abs(in.error_b);
-  if (std::abs(in.error_a) < best_error) {
-    best = in.a;
-    best_error = std::abs(in.error_a);
-  }
-  double weight_a = in.error_a;
-  double weight_b = in.error_b;
-  for (int i = 0; i < 200 && best_error > tolerance_; ++i) {
-    const double middle = 0.5 * (in.a + in.b);
-    double c = i % 3 == 2 ? middle : in.b - weight_b * (in.b - in.a) / (weight_b - weight_a);
-    if (!(c > std::min(in.a, in.b) && c < std::max(in.a, in.b))) c = middle;
-    if (c == in.a || c == in.b) break;
-    const double error = forward_->peek(c, dt_s) - y;
-    if (std::abs(error) < best_error) {
-      best = c;
-      best_error = std::abs(error);
-    }
-    if (error == 0.0) break;
-    if ((error < 0.0) == (in.error_b < 0.0)) {
-      in.b = c;
-      in.error_b = weight_b = error;
-      weight_a *= 0.5;
-    } else {
-      in.a = c;
-      in.error_a = weight_a = error;
-      weight_b *= 0.5;
-    }
-  }
-  return best;
-}
-
 double BracketingInverse::step(double y, double dt_s) {
-  // The error where the input stays; its sign says which way to go.
-  const double error_here = forward_->peek(u_, dt_s) - y;
-  if (std::abs(error_here) > tolerance_) {
-    const Bracket found = bracket(y, dt_s, error_here);
-    const double best = found.closed ? narrowed(y, dt_s, found) : found.b;
-    stride_ = std::abs(best - u_);
-    u_ = best;
+  const auto error = [&](double u) { return forward_->peek(u, dt_s) - y; };
+  // The error where the input stays; its sign says which way to go: by growing strides, as far as the input's limits.
+  double behind = u_;
+  double error_behind = error(u_);
+  const bool up = error_behind < 0.0;
+  const double limit = up ? u_max_ : u_min_;
+  double best = u_;
+  if (error_behind != 0.0) {
+    double stride = std::max(stride_, 1e-9 * std::min(u_max_ - u_min_, 1.0 + std::abs(u_)));
+    for (best = behind; best != limit; stride *= 4.0) {
+      best = up ? std::min(behind + stride, limit) : std::max(behind - stride, limit);
+      const double error_there = error(best);
+      if (error_there == 0.0) break;
+      if ((error_there < 0.0) != up) {
+        best = up ? root_between(error, behind, error_behind, best, error_there)
+                  : root_between(error, best, error_there, behind, error_behind);
+        break;
+      }
+      behind = best;
+      error_behind = error_there;
+    }
   }
+  if (best != u_) stride_ = std::abs(best - u_);
+  u_ = best;
   achieved_ = forward_->step(u_, dt_s);
   return u_;
 }

@@ -37,11 +37,10 @@ class Inverse {
 };
 
 /// Works for every Operator whose output rises with its input: brackets the input from where it was by
-/// growing steps inside [u_min, u_max], then bisects on peek() (Illinois steps, safeguarded) down to the last
-/// bit or `tolerance`.
+/// growing steps inside [u_min, u_max], then narrows on peek() (Alefeld, Potra and Shi, TOMS 748) down to the last bits.
 class BracketingInverse final : public Inverse {
  public:
-  BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max, double tolerance = 0.0);
+  BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max);
   BracketingInverse(const BracketingInverse& other);
   std::unique_ptr<Inverse> clone() const override { return std::make_unique<BracketingInverse>(*this); }
   double reset(double y) override;
@@ -49,19 +48,9 @@ class BracketingInverse final : public Inverse {
   double achieved() const override { return achieved_; }
 
  private:
-  /// Inputs and the errors of their outputs; the reference lies between them when it is closed, else b is as near
-  /// as the input's limits allow.
-  struct Bracket {
-    double a, error_a, b, error_b;
-    bool closed;
-  };
-  Bracket bracket(double y, double dt_s, double error_here) const;
-  double narrowed(double y, double dt_s, Bracket in) const;
-
   std::unique_ptr<Operator> forward_;
   double u_min_;
   double u_max_;
-  double tolerance_;
   double u_ = 0.0;
   double stride_ = 0.0;  ///< size of the last move, the first guess for the next
   double achieved_ = 0.0;

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "numeric/optimisation/root.hpp"
 #include "signal/disturbance.hpp"
 
 namespace bodesmith::hysteresis {
@@ -95,41 +96,6 @@ NestedBranch nested_branch(const PolynomialDisturbance& model, const PolynomialD
   return out;
 }
 
-/// x in [low, high] with f(x) = y for a rising f, by safeguarded false position down to rounding.
-template <class F>
-double solve_rising(F&& f, double low, double high, double y) {
-  double at_low = f(low) - y;
-  double at_high = f(high) - y;
-  if (at_low >= 0.0) return low;
-  if (at_high <= 0.0) return high;
-  double weight_low = at_low;
-  double weight_high = at_high;
-  double best = low;
-  double best_error = -at_low;
-  for (int i = 0; i < 100; ++i) {
-    double x =
-        i % 3 == 2 ? 0.5 * (low + high) : high - weight_high * (high - low) / (weight_high - weight_low);
-    if (!(x > low && x < high)) x = 0.5 * (low + high);
-    if (x <= low || x >= high) break;
-    const double error = f(x) - y;
-    if (std::abs(error) < best_error) {
-      best = x;
-      best_error = std::abs(error);
-    }
-    if (error == 0.0) break;
-    if (error > 0.0) {
-      high = x;
-      weight_high = error;
-      weight_low *= 0.5;
-    } else {
-      low = x;
-      weight_low = error;
-      weight_high *= 0.5;
-    }
-  }
-  return best_error <= std::abs(at_high) ? best : high;
-}
-
 }  // namespace
 
 double BranchShape::value(double s) const {
@@ -170,7 +136,7 @@ double PolynomialDisturbance::input(const Turn& from, const Turn* toward, int di
   const double end = direction > 0 ? branch.x_hi : branch.x_lo;
   const double end_y = direction > 0 ? branch.y_hi : branch.y_lo;
   if ((y - end_y) * direction >= 0.0) return end + (y - end_y);
-  return solve_rising([&](double x) { return branch.value(x); }, std::min(now, end), std::max(now, end), y);
+  return root_between([&](double x) { return branch.value(x) - y; }, std::min(now, end), std::max(now, end));
 }
 
 double PolynomialDisturbance::plain(bool rising, double x) const {
@@ -231,7 +197,7 @@ double PolynomialDisturbance::input_on(bool rising, double y) const {
     low = std::max(low - reach, least);
   for (double reach = amplitude; high < most && plain(rising, high) < y; reach *= 2.0)
     high = std::min(high + reach, most);
-  return solve_rising([&](double x) { return plain(rising, x); }, low, high, y);
+  return root_between([&](double x) { return plain(rising, x) - y; }, low, high);
 }
 
 PolynomialOperator::PolynomialOperator(PolynomialDisturbance model) : loops_(std::move(model), 4096) {

@@ -34,7 +34,7 @@ namespace bodesmith::hysteresis {
 /// Signs: with the coefficients as the paper prints them the ascending branch lies above the descending one,
 /// i.e. the loop runs clockwise and ∮ u dy < 0, the reverse of a piezo stage's displacement over its drive;
 /// they are the disturbance as the compensator adds it. Both signs are legal here. Rate-independent (the rate
-/// gain is a constant of the block). Inverse: false position on the branch, exact to rounding where y rises with x. Under
+/// gain is a constant of the block). Inverse: the root on the branch, exact to rounding where y rises with x. Under
 /// slope_sign each sample takes the branch on which the output comes nearest to the reference, that of the
 /// reference's own direction where both do: with a stage's signs every reference within the stroke is met;
 /// with the paper's (the loop clockwise) a turn inside the stroke asks for outputs between the branches, which no

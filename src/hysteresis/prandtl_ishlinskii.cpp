@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "hysteresis/model_type.hpp"
+#include "numeric/optimisation/root.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -224,7 +225,7 @@ PrandtlIshlinskiiInverse::PrandtlIshlinskiiInverse(PrandtlIshlinskii model) : mo
 }
 
 double PrandtlIshlinskiiInverse::reset(double y) {
-  // At rest p is a rising piecewise linear function of v: bisect on it, then take over the states.
+  // At rest p is a rising piecewise linear function of v: its root, then the states.
   const double p = model_.shape_inverse(y - model_.offset);
   std::vector<double>& z = z_;
   const auto bank = [&](double v) {
@@ -237,12 +238,8 @@ double PrandtlIshlinskiiInverse::reset(double y) {
   double high = 1.0;
   while (bank(low) > p && low > -1e300) low *= 2.0;
   while (bank(high) < p && high < 1e300) high *= 2.0;
-  for (int i = 0; i < 2000; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (middle <= low || middle >= high) break;
-    (bank(middle) < p ? low : high) = middle;
-  }
-  bank(low);
+  const double v = root_between([&](double at) { return bank(at) - p; }, low, high);
+  bank(v);
   // z' from z (in place: z'_i needs z_j of j ≥ i only, so rising i is safe).
   double upto = 0.0;
   for (std::size_t i = 0; i < z.size(); ++i) {
@@ -253,7 +250,7 @@ double PrandtlIshlinskiiInverse::reset(double y) {
   }
   if (!model_.gamma.empty()) {
     if (!forward_) forward_.emplace(model_);
-    forward_->reset(model_.envelope_inverse(low));
+    forward_->reset(model_.envelope_inverse(v));
   }
   return step(y, 0.0);
 }

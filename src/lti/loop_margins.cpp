@@ -1,12 +1,12 @@
 #include "lti/loop_margins.hpp"
 
 #include <algorithm>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "base/documents/json.hpp"
 #include "numeric/optimisation/minimum.hpp"
+#include "numeric/optimisation/root.hpp"
 
 namespace bodesmith {
 namespace {
@@ -27,16 +27,8 @@ double sine_of(Complex l) {
 /// Where `value` of the loop changes its sign between two frequencies.
 Hertz sign_change(const Loop& loop, double (*value)(Complex), Hertz from, Hertz to) {
   const auto at = [&](double log_f) { return value(loop(Hertz{std::exp(log_f)})); };
-  const double low = std::log(from.value);
-  const double high = std::log(to.value);
-  const double at_low = at(low);
-  const double at_high = at(high);
   // exp(log(f)) may round across a zero that lies on the grid.
-  if (!(at_low * at_high < 0.0)) return std::abs(at_low) < std::abs(at_high) ? from : to;
-  std::uintmax_t most = 100;
-  const auto [a, b] = boost::math::tools::toms748_solve(at, low, high, at_low, at_high,
-                                                        boost::math::tools::eps_tolerance<double>(50), most);
-  return Hertz{std::exp(0.5 * (a + b))};
+  return Hertz{std::exp(root_between(at, std::log(from.value), std::log(to.value)))};
 }
 
 LoopMargins::GainCrossing gain_crossing(const Loop& loop, Hertz f) {

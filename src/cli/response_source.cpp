@@ -109,8 +109,8 @@ void load_model(const Node& node, ResponseSource& source) {
   const Node blocks = node.at("block");
   for (size_t i = 0; i < chain.blocks.size(); ++i) {
     if (!chain.blocks[i].response(RadPerSecond{1.0})) {
-      blocks[i].fail(fmt::format("({}) has no frequency response: it is not linear",
-                                 chain.blocks[i].type_name()));
+      blocks[i].fail(
+          fmt::format("({}) has no frequency response: it is not linear", chain.blocks[i].type_name()));
     }
   }
   set_evaluation(source, at_each([chain](RadPerSecond w) { return *chain.response(w); }));

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace bodesmith::simulate {
 namespace {
 
 /// How much of the integral's rate is left this far beyond a limit into which it runs. The step from all to nothing would have
-/// the loop slide along it, without end for a solver: a millionth of the limits' size is no part of any figure.
+/// the loop slide along it, without end for a solver: a millionth of the limits' size (of 1 where they have none) is no part of any
+/// figure.
 double part_left(double beyond, const PidController& c) {
   const double low = std::isfinite(c.lower) ? std::abs(c.lower) : 0.0;
   const double high = std::isfinite(c.upper) ? std::abs(c.upper) : 0.0;
-  const double zone = 1e-6 * std::max({low, high, std::numeric_limits<double>::min()});
-  return std::clamp(1.0 - beyond / zone, 0.0, 1.0);
+  const double size = std::max(low, high);
+  return std::clamp(1.0 - beyond / (1e-6 * (size > 0.0 ? size : 1.0)), 0.0, 1.0);
 }
 
 }  // namespace

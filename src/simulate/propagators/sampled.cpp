@@ -112,7 +112,8 @@ void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h,
     const double shows = edge + lag;
     if (!(shows < end - kClose)) break;
     // An edge at the end of a hold samples what is there before the next one begins.
-    const std::size_t hold = k == 0 ? 0 : whole_number<std::size_t>(std::ceil(edge - kClose)) - 1;
+    const std::size_t hold =
+        k == 0 ? 0 : whole_number<std::size_t>(std::max(std::ceil(edge - kClose), 1.0)) - 1;
     const double s = std::clamp(edge - static_cast<double>(hold), 0.0, 1.0);
     const double value = kernel.update(nodes.value(u + hold * nodes.size(), s));
     if (shows <= kClose) {

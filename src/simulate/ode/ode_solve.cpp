@@ -217,9 +217,6 @@ void solve_ode(OdeSystem& system, const Options& options, const OdeRequest& requ
     system.run_until(stops[i + 1]);
     const bool sampling = period > 0.0 && std::abs(std::remainder(stop - first, period)) < 1e-6 * period;
     if (sampling) system.sample_controller(stop);
-    // A jump of the input is a monotone move of its own for the memories.
-    system.evaluate(stop);
-    system.commit();
     system.restart(stop, nullptr);
     output.corner(stop);
   }

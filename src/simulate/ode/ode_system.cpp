@@ -122,7 +122,6 @@ void OdeSystem::restart(double t, const std::vector<int>* crossings) {
   };
   for (Placed& placed : parts_) placed->cross(own(placed), state_.data() + placed.state);
   evaluate(t, state_.data(), rates_.data(), Walk::restart);
-  for (Placed& placed : parts_) placed->restarted(state_.data() + placed.state);
 }
 
 }  // namespace bodesmith::simulate

@@ -43,7 +43,7 @@ class MemoryPart final : public OdePart {
   /// Of the output over the input, on its way.
   double slope() const {
     const double u = in_.value;
-    const double step = std::copysign(1e-6 * std::max(std::abs(u), 1e-3), in_.slope);
+    const double step = std::copysign(1e-8 * std::max(std::abs(u), 1e-3), in_.slope);
     return (memory_.peek(u + step, 0.0) - memory_.peek(u, 0.0)) / step;
   }
 

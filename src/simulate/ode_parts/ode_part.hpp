@@ -58,8 +58,6 @@ class OdePart {
   /// Before solving starts again: +1/-1 where an own event function has crossed upwards/downwards; null at a
   /// corner of the input.
   virtual void cross(const int* /*crossings*/, double* /*x*/) {}
-  /// After the last walk of the restart.
-  virtual void restarted(const double* /*x*/) {}
 
   double input() const { return in_.value; }
 

@@ -46,22 +46,18 @@ class SlewPart final : public OdePart {
       mode_ = Mode::following;
     }
   }
-  void restarted(const double* x) override {
-    // A jump of the input leaves the output behind.
-    const double u = in_.value;
-    if (mode_ == Mode::following && x[0] != u &&
-        std::abs(x[0] - u) > 1e-9 * std::max(std::abs(x[0]), std::abs(u))) {
-      mode_ = towards(u - x[0]);
-    }
-  }
 
  private:
   enum class Mode { following, rising, falling };
   static Mode towards(double difference) { return difference > 0.0 ? Mode::rising : Mode::falling; }
 
   SlopedValue pass(double /*t*/, SlopedValue in, const double* x, double* dx, Walk purpose) override {
-    if (purpose == Walk::restart && mode_ == Mode::following && std::abs(in.slope) > rate_)
-      mode_ = towards(in.slope);
+    if (purpose == Walk::restart) {
+      // A jump of the input leaves the output behind, on either side.
+      const double gap = in.value - x[0];
+      if (std::abs(gap) > 1e-9 * std::max(std::abs(x[0]), std::abs(in.value))) mode_ = towards(gap);
+      if (mode_ == Mode::following && std::abs(in.slope) > rate_) mode_ = towards(in.slope);
+    }
     if (mode_ == Mode::following) {
       dx[0] = in.slope;
       return in;

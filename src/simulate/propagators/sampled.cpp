@@ -100,6 +100,30 @@ double run_memory(chain::MemoryKernel& memory, StepSignal& signal, bool equilibr
   return rest;
 }
 
+double run_memory(chain::MemoryKernel& memory, const StepSignal& signal, const HoldNodes& nodes, double h,
+                  std::size_t holds, bool equilibrium, double* y) {
+  const double rest = memory.reset(signal.value.front(), equilibrium);
+  double last = rest;
+  double time = 0.0;
+  std::size_t now = 0;
+  const auto wait_until = [&](double t) {
+    if (t > time) last = memory.step(signal.value[now], (t - time) * h);
+    time = std::max(time, t);
+  };
+  for (std::size_t hold = 0; hold < holds; ++hold) {
+    for (std::size_t j = 0; j < nodes.size(); ++j) {
+      const double at = static_cast<double>(hold) + nodes.at[j];
+      while (now + 1 < signal.at.size() && signal.at[now + 1] <= at) {
+        wait_until(signal.at[now + 1]);
+        last = memory.step(signal.value[++now], 0.0);
+      }
+      wait_until(at);
+      *y++ = last;
+    }
+  }
+  return rest;
+}
+
 void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u,
                  std::size_t holds, bool equilibrium, StepSignal& out) {
   const double cycle = 1.0 / (kernel.clock_hz() * h);

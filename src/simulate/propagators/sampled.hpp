@@ -21,6 +21,9 @@ void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h,
 
 /// A memory that does not depend on the rate of its input, in place: steps stay steps. Returns the output at the start.
 double run_memory(chain::MemoryKernel& memory, StepSignal& signal, bool equilibrium);
+/// Of a memory that may be moved in no time but takes its time: its output at the nodes of holds of length h.
+double run_memory(chain::MemoryKernel& memory, const StepSignal& signal, const HoldNodes& nodes, double h,
+                  std::size_t holds, bool equilibrium, double* y);
 
 /// The values at the nodes. Where edges fall inside a hold and `jumps` is given (as long as y), y is instead the polynomial
 /// with the same moments over the hold, so that the states of a linear system behind it see the right steps to high order;

@@ -322,7 +322,7 @@ struct RecordSimulator::Implementation {
     return false;
   }
 
-  /// Of steps to steps; false, and nothing done, where more than values changes.
+  /// Of steps to steps, or to the nodes behind a slew limit; false, and nothing done, where the nodes are needed.
   bool run_held(const RecordStage& stage, Run& run) {
     if (stage.linear) {
       if (!works_by_values(stage)) return false;
@@ -337,8 +337,15 @@ struct RecordSimulator::Implementation {
       return true;
     }
     auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernel);
-    if (memory == nullptr || !(*memory)->rate_independent()) return false;
-    run.rest = run_memory(**memory, held, run.equilibrium);
+    if (memory == nullptr) return false;
+    if ((*memory)->rate_independent()) {
+      run.rest = run_memory(**memory, held, run.equilibrium);
+      return true;
+    }
+    if (!((*memory)->slew_rate() > 0.0)) return false;
+    const HoldSpan& all = run.plan.spans.front();
+    run.rest = run_memory(**memory, held, run.nodes, all.h, all.holds, run.equilibrium, signal.data());
+    is_held = false;
     return true;
   }
 

@@ -52,6 +52,8 @@ std::string engineering_text(double value, std::string_view unit, int digits = 3
 
 /// Pieces between separators; "a,,b" has three.
 std::vector<std::string_view> split(std::string_view text, char separator);
+/// The words of a line, between blanks and tabs.
+std::vector<std::string_view> split_words(std::string_view line);
 std::string_view trim(std::string_view text);
 /// Lines of more than 100 characters broken at blanks; the rest is indented by two more than the line, or than what
 /// stands behind its label ("target     points.csv").

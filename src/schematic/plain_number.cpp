@@ -29,18 +29,8 @@ bool spice_value(const std::string& text, double& value) {
 }
 
 std::vector<std::string> words_of(std::string_view line) {
-  std::vector<std::string> out;
-  std::string word;
-  for (const char c : line) {
-    if (c == ' ' || c == '\t' || c == '\r') {
-      if (!word.empty()) out.push_back(std::move(word));
-      word.clear();
-    } else {
-      word += c;
-    }
-  }
-  if (!word.empty()) out.push_back(std::move(word));
-  return out;
+  const std::vector<std::string_view> words = split_words(line);
+  return {words.begin(), words.end()};
 }
 
 }  // namespace bodesmith::schematic

@@ -117,14 +117,12 @@ class BodePicture {
     return log_grid({grid.front(), grid.back()}, static_cast<int>(kDense));
   }
 
-  static std::vector<double> hertz_of(const std::vector<Hertz>& grid) { return hertz_values(grid); }
-
   void add(int number, const LevelAndPhase* known) {
     const ResponseSource& source = sources_[static_cast<std::size_t>(number)];
     const bool marks = !source.own_frequencies.empty() && source.own_frequencies.size() <= kMostMarks;
     const std::vector<Hertz>& grid = marks ? source.own_frequencies : dense_;
     const LevelAndPhase columns = known != nullptr && !marks ? *known : source.on_grid(grid);
-    report::Series series{source.stem, hertz_of(grid), columns.magnitude_db};
+    report::Series series{source.stem, hertz_values(grid), columns.magnitude_db};
     series.style = marks             ? report::Series::Style::marks
                    : number % 2 == 0 ? report::Series::Style::line
                                      : report::Series::Style::dashed;
@@ -141,7 +139,7 @@ class BodePicture {
     delay_.x = plot_.magnitude.x;
     delay_.y = {"s"};
     delay_.height = 240;
-    report::Series series{sources_[static_cast<std::size_t>(number)].stem, hertz_of(grid), column.values};
+    report::Series series{sources_[static_cast<std::size_t>(number)].stem, hertz_values(grid), column.values};
     series.color = number;
     delay_.series.push_back(std::move(series));
   }

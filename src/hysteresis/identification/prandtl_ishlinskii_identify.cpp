@@ -24,7 +24,7 @@ struct BankFit {
   PrandtlIshlinskii model;
   double cost = 0.0;
   Eigen::VectorXd deviation;  ///< of w…, offset
-  bool converged = true;
+  bool converged = true;      ///< of weights alone always: their minimum is found, not approached
 };
 
 /// min |A x - y|² from AᵀA and Aᵀy, the last unknown free, the others not below 0.
@@ -147,7 +147,7 @@ void refine_asymmetric(std::span<const TimeRecord> records, double skip_s, BankF
       start, lower, Eigen::VectorXd::Constant(n + m + 1, infinite), typical, 40);
   model = put(solved.values);
   fit.cost = solved.cost;
-  fit.converged = fit.converged && converged(solved.termination);
+  fit.converged = converged(solved.termination);
   uncertainty.clear();
   add_uncertainty(uncertainty, "w", solved.values, solved.deviation, 0, n);
   add_uncertainty(uncertainty, "v", solved.values, solved.deviation, n, m);

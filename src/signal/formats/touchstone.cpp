@@ -21,17 +21,6 @@
 namespace bodesmith::formats {
 namespace {
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> out;
-  std::size_t at = 0;
-  while ((at = line.find_first_not_of(" \t\r", at)) != std::string_view::npos) {
-    const std::size_t end = std::min(line.find_first_of(" \t\r", at), line.size());
-    out.push_back(line.substr(at, end - at));
-    at = end;
-  }
-  return out;
-}
-
 struct TouchstoneOptions {
   double scale = 1e9;
   std::string unit = "GHz";
@@ -42,7 +31,7 @@ struct TouchstoneOptions {
 
 /// False when a word is none of an option line's.
 bool parse_options(std::string_view line, TouchstoneOptions& options) {
-  const auto words = words_of(line.substr(1));
+  const auto words = split_words(line.substr(1));
   bool reference = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string word = upper_case(words[i]);
@@ -76,7 +65,7 @@ bool is_like_options(std::string_view line) {
   int parameters = 0;
   int pairs = 0;
   int units = 0;
-  for (const std::string_view given : words_of(line.substr(1))) {
+  for (const std::string_view given : split_words(line.substr(1))) {
     const std::string word = upper_case(given);
     parameters += word.size() == 1 && std::string_view("SYZGH").find(word[0]) != std::string_view::npos;
     pairs += word == "MA" || word == "DB" || word == "RI";
@@ -174,7 +163,7 @@ class TouchstoneReader {
     } else if (key == "REFERENCE") {
       in_reference_ = true;
       reference_left_ = network_.ports;
-      for (const std::string_view word : words_of(value)) take_reference(word);
+      for (const std::string_view word : split_words(value)) take_reference(word);
     } else if (key == "BEGIN INFORMATION") {
       in_information_ = true;
     } else if (key == "END INFORMATION") {
@@ -199,11 +188,11 @@ class TouchstoneReader {
 
   void data(std::string_view line) {
     if (in_reference_ && !in_data_) {
-      for (const std::string_view word : words_of(line)) take_reference(word);
+      for (const std::string_view word : split_words(line)) take_reference(word);
       return;
     }
     row_.clear();
-    for (const std::string_view word : words_of(line)) {
+    for (const std::string_view word : split_words(line)) {
       double value = 0.0;
       if (!parse_number(word, value)) fail(fmt::format("'{}' is not a finite number", word.substr(0, 40)));
       row_.push_back(value);
@@ -393,7 +382,7 @@ class Touchstone : public Format {
         continue;
       }
       double value = 0.0;
-      const auto words = words_of(line);
+      const auto words = split_words(line);
       return options && words.size() >= 3 && words.size() % 2 == 1 && parse_number(words[0], value);
     }
     return false;

@@ -64,7 +64,7 @@ class OdeSystem {
   void event_values(double t, const double* x, double* g);
   /// After an evaluation: memories take the step to where their input now is.
   void commit();
-  /// At a corner (no crossings) or an event: directions and switches are chosen anew.
+  /// At a corner (no crossings) or an event: jumps are taken, directions and switches chosen anew.
   void restart(double t, const std::vector<int>* crossings);
   /// A clock edge of a sampled controller.
   void sample_controller(double t);

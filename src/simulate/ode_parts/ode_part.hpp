@@ -18,7 +18,7 @@ struct SlopedValue {
 enum class Walk {
   rates,    ///< rates of the states; slopes of signals are not looked at
   slopes,   ///< also slopes, for memories and their events
-  restart,  ///< at a corner or event: memories choose their direction by the slopes
+  restart,  ///< at a corner or event: jumps are taken, and directions chosen by the slopes
 };
 
 /// One block inside an ODE x' = f(t, x) made of neighbouring blocks (ode_system.hpp). `x`, `dx` and `z` are
@@ -53,7 +53,7 @@ class OdePart {
   virtual double newton(double gamma, double du, const double* x, double* z) = 0;
 
   virtual void event_values(const double* /*x*/, double* /*g*/) const {}
-  /// The step is taken: memories move to where their input now is.
+  /// The step is taken, up to the left of a corner: memories move to where their input now is.
   virtual void commit() {}
   /// Before solving starts again: +1/-1 where an own event function has crossed upwards/downwards; null at a
   /// corner of the input.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "numeric/optimisation/root.hpp"
+
 namespace bodesmith::simulate {
 namespace {
 
@@ -31,8 +33,7 @@ std::size_t quadratic_roots(double a, double b, double c, double* roots) {
   return count;
 }
 
-/// Roots of a slope of degree <= 3 inside (0, 1), rising: where the sign changes between samples of it, by
-/// bisection.
+/// Roots of a slope of degree <= 3 inside (0, 1), rising: where the sign changes between samples of it.
 std::size_t turning_points(const double* slope, std::size_t degree, double* roots) {
   if (degree == 2) return quadratic_roots(slope[2], slope[1], slope[0], roots);
   const auto at = [&](double s) {
@@ -44,16 +45,10 @@ std::size_t turning_points(const double* slope, std::size_t degree, double* root
   constexpr int kLooks = 12;
   double left = at(0.0);
   for (int k = 1; k <= kLooks && count < degree; ++k) {
-    double low = static_cast<double>(k - 1) / kLooks;
-    double high = static_cast<double>(k) / kLooks;
+    const double low = static_cast<double>(k - 1) / kLooks;
+    const double high = static_cast<double>(k) / kLooks;
     const double right = at(high);
-    if (left * right < 0.0) {
-      for (int i = 0; i < 52; ++i) {
-        const double middle = 0.5 * (low + high);
-        (at(middle) * left > 0.0 ? low : high) = middle;
-      }
-      roots[count++] = 0.5 * (low + high);
-    }
+    if (left * right < 0.0) roots[count++] = root_between(at, low, left, high, right);
     left = right;
   }
   return count;

@@ -53,6 +53,8 @@ struct RecordSimulator::Implementation {
     double rest = 0.0;                   ///< what the signal rests at before the start
     BranchPropagator::Place place = {};  ///< of the stage now
 
+    /// Of a chain with clocks, whose holds are all alike.
+    const HoldSpan& only_span() const { return plan.spans.front(); }
     std::size_t values() const {
       std::size_t holds = 0;
       for (const HoldSpan& span : plan.spans) holds += span.holds;
@@ -343,7 +345,7 @@ struct RecordSimulator::Implementation {
       return true;
     }
     if (!((*memory)->slew_rate() > 0.0)) return false;
-    const HoldSpan& all = run.plan.spans.front();
+    const HoldSpan& all = run.only_span();
     run.rest = run_memory(**memory, held, run.nodes, all.h, all.holds, run.equilibrium, signal.data());
     is_held = false;
     return true;
@@ -353,8 +355,7 @@ struct RecordSimulator::Implementation {
   void spread(const Run& run, bool values_only) {
     is_held = false;
     if (!values_only) jumps.resize(signal.size());
-    spread_steps(held, run.nodes, signal.data(), run.plan.spans.front().holds,
-                 values_only ? nullptr : jumps.data());
+    spread_steps(held, run.nodes, signal.data(), run.only_span().holds, values_only ? nullptr : jumps.data());
   }
 
   bool has_memory(const RecordStage& stage) const {
@@ -478,7 +479,7 @@ struct RecordSimulator::Implementation {
   }
 
   void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*) {
-    const HoldSpan& all = run.plan.spans.front();  // the only one
+    const HoldSpan& all = run.only_span();
     require_few_edges(sampled->clock_hz() * all.h * static_cast<double>(all.holds),
                       fmt::format("a clock of {} Hz", rounded_text(sampled->clock_hz())));
     run_sampled(*sampled, run.nodes, all.h, signal.data(), all.holds, run.equilibrium, held);

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <random>
 #include <string>
 
 #include "base/error.hpp"
 #include "chain/registry.hpp"
+#include "numeric/random.hpp"
 #include "simulate/records.hpp"
 #include "simulate/simulate.hpp"
 
@@ -20,17 +20,10 @@ using chain::Chain;
 using chain::make_block;
 using List = std::vector<double>;
 
-class Draw {
- public:
-  explicit Draw(unsigned seed) : numbers_(seed) {}
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(numbers_()) / 4294967296.0;
-  }
-  double ratio(double low, double high) { return low * std::pow(high / low, between(0.0, 1.0)); }
-  std::size_t below(std::size_t count) { return numbers_() % count; }
-
- private:
-  std::mt19937 numbers_;
+struct Draw : Random {
+  using Random::Random;
+  double between(double low, double high) { return low + (high - low) * uniform(); }
+  double ratio(double low, double high) { return low * std::pow(high / low, uniform()); }
 };
 
 using Maker = std::function<Block(Draw&)>;

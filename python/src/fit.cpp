@@ -144,7 +144,7 @@ Answer approximate(const Call& call) {
   if (left_out) body["pairs_left_out"] = *left_out;
   Answer out;
   out.result = document("sections", body, watch.seconds());
-  if (!result.limit_met) out.warnings.push_back("the limit of max_error_db is not met");
+  if (!result.limit_met()) out.warnings.push_back("the limit of max_error_db is not met");
   return out;
 }
 

@@ -318,7 +318,6 @@ CascadeApproximation approximate_cascade(const Cascade& cascade, const Approxima
   // A plain gain is its own approximation.
   if (out.sections.sections.empty()) return out;
   out.error = approximation_error(out.sections, cascade);
-  if (options.max_error_db) out.limit_met = out.error.everywhere_db <= *options.max_error_db;
   out.sections.error = out.error.summary();
   return out;
 }
@@ -327,7 +326,7 @@ Json CascadeApproximation::report_json() const {
   Json out;
   out["method"] = method;
   if (max_error_db) out["max_error_db"] = *max_error_db;
-  out["limit_met"] = limit_met;
+  out["limit_met"] = limit_met();
   out["everywhere_max_magnitude_db"] = error.everywhere_db;
   out["everywhere_max_phase_deg"] = error.everywhere_deg;
   out["worst_hz"] = error.worst.value;

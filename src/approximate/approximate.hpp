@@ -49,9 +49,10 @@ struct CascadeApproximation {
   Sections sections;                     ///< with its `error` filled in
   std::vector<TermApproximation> terms;  ///< terms with beta = 0 are passed over
   ApproximationError error;
-  bool limit_met = true;  ///< false when max_error_db was asked for and could not be met up to max_order
   std::string method;
   std::optional<double> max_error_db;  ///< as asked
+
+  bool limit_met() const { return !max_error_db || error.everywhere_db <= *max_error_db; }
 
   /// Extra fields beside the sections: method, order and error of every term, the limit law, phase
   /// everywhere.

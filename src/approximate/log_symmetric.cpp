@@ -16,19 +16,9 @@ namespace {
 /// Where the two means have met, relative: a few roundings.
 constexpr long double kMeansMeet = 1e-19L;
 
-/// A position on the real axis or off it.
-template <class Position>
-NormalisedApproximation mirrored_roots(const std::vector<Position>& zeta, long double log_kappa,
-                                       long double beta) {
-  NormalisedApproximation out;
-  long double log_gain = 0.5L * beta * log_kappa;
-  for (const Position& z : zeta) {
-    out.zeros.push_back(static_cast<std::complex<double>>(-std::exp(-0.5L * z)));
-    out.poles.push_back(static_cast<std::complex<double>>(-std::exp(0.5L * z)));
-    log_gain += 0.5L * std::real(z);
-  }
-  out.gain = static_cast<double>(std::exp(log_gain));
-  return out;
+/// exp(z), by the real function on the real axis.
+std::complex<long double> exponential(std::complex<long double> z) {
+  return z.imag() == 0.0L ? std::exp(z.real()) : std::exp(z);
 }
 
 /// An eigenvalue of Jacobi's matrix to the last digits: Newton's steps on its polynomial,
@@ -85,13 +75,17 @@ long double half_lead_slope(long double v, long double z) {
   return 0.5L * (1.0L - q) / (1.0L + q + std::exp(z - v) + std::exp(-z - v));
 }
 
-NormalisedApproximation from_log_positions(const std::vector<long double>& zeta, long double log_kappa,
-                                           long double beta) {
-  return mirrored_roots(zeta, log_kappa, beta);
-}
 NormalisedApproximation from_log_positions(const std::vector<std::complex<long double>>& zeta,
                                            long double log_kappa, long double beta) {
-  return mirrored_roots(zeta, log_kappa, beta);
+  NormalisedApproximation out;
+  long double log_gain = 0.5L * beta * log_kappa;
+  for (const std::complex<long double>& z : zeta) {
+    out.zeros.push_back(static_cast<std::complex<double>>(-exponential(-0.5L * z)));
+    out.poles.push_back(static_cast<std::complex<double>>(-exponential(0.5L * z)));
+    log_gain += 0.5L * z.real();
+  }
+  out.gain = static_cast<double>(std::exp(log_gain));
+  return out;
 }
 
 std::vector<long double> elliptic_positions(long double log_kappa, long double beta, int order) {

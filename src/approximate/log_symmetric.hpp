@@ -20,8 +20,6 @@ long double half_lead(long double v, long double z);
 long double half_lead_slope(long double v, long double z);
 
 /// Poles and zeros from the positions zeta_k; complex ones closed under conjugation.
-NormalisedApproximation from_log_positions(const std::vector<long double>& zeta, long double log_kappa,
-                                           long double beta);
 NormalisedApproximation from_log_positions(const std::vector<std::complex<long double>>& zeta,
                                            long double log_kappa, long double beta);
 

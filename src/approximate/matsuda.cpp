@@ -106,7 +106,7 @@ Outcome<NormalisedApproximation> Matsuda::approximate(const ApproximationTask& t
   const auto found = aberth_zeros(fraction_through_the_term(task), std::move(zero));
   if (!found)
     return Refusal{"matsuda did not converge for this term, expected a lower order or another method"};
-  std::vector<long double> zeta;
+  std::vector<std::complex<long double>> zeta;
   for (const ManyDigits& z : *found) zeta.push_back(static_cast<long double>(-2 * log(-z)));
   return from_log_positions(zeta, log_kappa, task.beta);
 }

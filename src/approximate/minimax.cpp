@@ -4,6 +4,8 @@
 #include <complex>
 #include <functional>
 #include <optional>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "approximate/approximation_error.hpp"
@@ -18,6 +20,7 @@ namespace bodesmith {
 namespace {
 
 using Positions = std::vector<long double>;
+using ComplexPositions = std::vector<std::complex<long double>>;
 
 /// Whether the best error (minimax_limit_db) is smaller than what rounding the roots to doubles does.
 bool below_rounding(double kappa, double beta, int order) {
@@ -146,7 +149,7 @@ struct PairedPositions {
   int pairs = 0;
   Positions zeta;
 };
-PairedPositions to_pairs(const std::vector<std::complex<long double>>& positions) {
+PairedPositions to_pairs(const ComplexPositions& positions) {
   PairedPositions out;
   Positions reals;
   for (const auto& z : positions) {
@@ -162,8 +165,8 @@ PairedPositions to_pairs(const std::vector<std::complex<long double>>& positions
   out.zeta.insert(out.zeta.end(), reals.begin(), reals.end());
   return out;
 }
-std::vector<std::complex<long double>> from_pairs(const PairedPositions& paired) {
-  std::vector<std::complex<long double>> out;
+ComplexPositions from_pairs(const PairedPositions& paired) {
+  ComplexPositions out;
   std::size_t k = 0;
   for (int i = 0; i < paired.pairs; ++i, k += 2) {
     out.emplace_back(paired.zeta[k], paired.zeta[k + 1]);
@@ -175,7 +178,7 @@ std::vector<std::complex<long double>> from_pairs(const PairedPositions& paired)
 
 /// beta > 2, complex pairs allowed: from the Pade positions of a narrow term along a path in ln kappa, which grows by
 /// the factor `growth` a step.
-std::optional<NormalisedApproximation> follow_kappa(const ApproximationTask& task, long double growth) {
+std::optional<ComplexPositions> follow_kappa(const ApproximationTask& task, long double growth) {
   constexpr long double kNarrow = 1.6L;
   constexpr long double kOnTheWay = 0.03L;
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
@@ -185,11 +188,11 @@ std::optional<NormalisedApproximation> follow_kappa(const ApproximationTask& tas
   SolutionPath path(3);
   for (;;) {
     const bool last = at == log_kappa;
-    const Remez remez(at, task.order, task.over_band, {paired.pairs, 1});
+    const Remez remez(at, task.order, {paired.pairs, 1});
     const auto result = remez.solve(beta, paired.zeta, last ? Remez::kTolerance : kOnTheWay);
     if (!result) return std::nullopt;
     paired.zeta = result->zeta;
-    if (last) return from_log_positions(from_pairs(paired), log_kappa, beta);
+    if (last) return from_pairs(paired);
     path.add(at, result->zeta);
     at = std::min(log_kappa, at * growth);
     if (path.size() == 1) {
@@ -201,11 +204,9 @@ std::optional<NormalisedApproximation> follow_kappa(const ApproximationTask& tas
   }
 }
 
-Outcome<NormalisedApproximation> minimax_with_pairs(const ApproximationTask& task) {
-  if (below_rounding(task.kappa, task.beta, task.order)) {
-    const long double log_kappa = std::log(static_cast<long double>(task.kappa));
-    return from_log_positions(pade_positions_complex(log_kappa, task.beta, task.order), log_kappa, task.beta);
-  }
+Outcome<ComplexPositions> minimax_with_pairs(const ApproximationTask& task) {
+  if (below_rounding(task.kappa, task.beta, task.order))
+    return pade_positions_complex(std::log(static_cast<long double>(task.kappa)), task.beta, task.order);
   for (const long double growth : {1.2L, 1.05L}) {
     if (auto found = follow_kappa(task, growth)) return *found;
   }
@@ -213,34 +214,28 @@ Outcome<NormalisedApproximation> minimax_with_pairs(const ApproximationTask& tas
       "minimax with complex pairs did not converge for this term, expected real roots or another order"};
 }
 
-/// Equal ripple in log magnitude over all frequencies (or over the band): the best there is.
-class Minimax final : public Method {
- public:
-  std::string_view name() const override { return "minimax"; }
-  std::string_view source() const override {
-    return "equal ripple in log magnitude (Remez exchange on log pole and zero positions)";
-  }
-  bool splits_whole_powers() const override { return false; }
-  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
-};
-
 /// Fewer poles than |beta|: the best real ones are all at one place, found by search.
-NormalisedApproximation minimax_of_one_place(const ApproximationTask& task) {
+ComplexPositions minimax_of_one_place(const ApproximationTask& task) {
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
   const long double beta = task.beta;
-  const Remez remez(log_kappa, task.order, task.over_band, {});
+  const Remez remez(log_kappa, task.order, {});
   const auto places = [&](long double at) { return Positions(static_cast<std::size_t>(task.order), at); };
   const auto error = [&](long double at) { return remez.grid_error(beta, places(at)); };
   // Where the total change is right, and up to twice that.
-  const long double best =
-      minimum_between(0.5L * log_kappa, 2.0L * log_kappa * beta / task.order, 1e-12L * log_kappa, error);
-  return from_log_positions(places(best), log_kappa, beta);
+  long double highest = 2.0L * log_kappa * beta / task.order;
+  if (task.over_band) {  // of the term that was asked for; e^30 corners further out is as good as nowhere
+    const long double asked = std::acosh(static_cast<long double>(task.kappa));
+    const long double far = std::min(2.0L * asked * beta / task.order, asked + 30.0L);
+    highest = std::log(std::cosh(0.5L * (asked + far)) / std::cosh(0.5L * (asked - far)));
+  }
+  const long double best = minimum_between(0.5L * log_kappa, highest, 1e-12L * log_kappa, error);
+  return ComplexPositions(static_cast<std::size_t>(task.order), best);
 }
 
 /// Above beta = 2 the best positions leave the real axis. The best real ones then are a multiple root beyond the corner
 /// and simple ones for the rest; the search starts from as many whole powers split off, each a pole and a zero at the
 /// corners.
-Outcome<NormalisedApproximation> Minimax::approximate(const ApproximationTask& task) const {
+Outcome<ComplexPositions> best_positions(const ApproximationTask& task) {
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
   const long double beta = task.beta;
   const int whole =
@@ -252,7 +247,7 @@ Outcome<NormalisedApproximation> Minimax::approximate(const ApproximationTask& t
   if (!task.real_roots && beta > 2.0L && rest > 0.0L) return minimax_with_pairs(task);
   Positions zeta(static_cast<std::size_t>(whole), log_kappa);
   if (rest > 0.0L) {
-    const Remez remez(log_kappa, order, task.over_band, {});
+    const Remez remez(log_kappa, order, {});
     auto result = closed_form(remez, task.kappa, log_kappa, order, rest);
     const bool exact = result.has_value();
     if (!exact) result = solve_real(remez, log_kappa, order, rest);
@@ -261,7 +256,7 @@ Outcome<NormalisedApproximation> Minimax::approximate(const ApproximationTask& t
       const int multiplicity = whole + 1;
       Positions start = result->zeta;
       start[0] = (whole * log_kappa + start[0]) / multiplicity;
-      const auto multiple = Remez(log_kappa, order, task.over_band, {0, multiplicity}).solve(beta, start);
+      const auto multiple = Remez(log_kappa, order, {0, multiplicity}).solve(beta, start);
       if (multiple && multiple->error < result->error) {
         result = multiple;
         std::fill(zeta.begin(), zeta.end(), multiple->zeta[0]);
@@ -269,8 +264,55 @@ Outcome<NormalisedApproximation> Minimax::approximate(const ApproximationTask& t
     }
     zeta.insert(zeta.end(), result->zeta.begin(), result->zeta.end());
   }
-  return from_log_positions(zeta, log_kappa, beta);
+  return ComplexPositions(zeta.begin(), zeta.end());
 }
+
+/// Equal ripple between the corners is equal ripple over all frequencies of a narrower term: with tanh(v/2) = tau tanh(L/2),
+/// L = ln kappa, half_lead(v, z) is artanh(tau tanh(L/2) tanh(z/2)), and tau goes up to 1. That term has
+///   L' = 2 artanh(tanh(L/2)^2) = ln cosh L,
+/// and where its positions are z' those sought have tanh(z/2) = tanh(z'/2)/tanh(L/2):
+///   z = ln(sinh((L + z')/2)/sinh((L - z')/2)).
+ApproximationTask of_the_band(ApproximationTask task) {
+  task.kappa = std::cosh(std::log(task.kappa));
+  return task;
+}
+/// Nothing where a position lies beyond all frequencies.
+std::optional<ComplexPositions> from_the_band(ComplexPositions zeta, long double log_kappa) {
+  for (std::complex<long double>& z : zeta) {
+    if (z.imag() != 0.0L) {
+      z = std::log(std::sinh(0.5L * (log_kappa + z)) / std::sinh(0.5L * (log_kappa - z)));
+    } else if (std::abs(z.real()) < log_kappa) {
+      z = std::log(std::sinh(0.5L * (log_kappa + z.real())) / std::sinh(0.5L * (log_kappa - z.real())));
+    } else {
+      return std::nullopt;
+    }
+  }
+  return zeta;
+}
+
+/// Equal ripple in log magnitude over all frequencies (or between the corners): the best there is.
+class Minimax final : public Method {
+ public:
+  std::string_view name() const override { return "minimax"; }
+  std::string_view source() const override {
+    return "equal ripple in log magnitude (Remez exchange on log pole and zero positions)";
+  }
+  bool splits_whole_powers() const override { return false; }
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
+    const long double log_kappa = std::log(static_cast<long double>(task.kappa));
+    auto found = best_positions(task.over_band ? of_the_band(task) : task);
+    if (auto* refusal = std::get_if<Refusal>(&found)) return std::move(*refusal);
+    auto zeta = std::get<ComplexPositions>(std::move(found));
+    if (task.over_band) {
+      auto inside = from_the_band(std::move(zeta), log_kappa);
+      if (!inside)
+        return Refusal{
+            "minimax between the corners needs a root beyond all frequencies, expected more poles"};
+      zeta = std::move(*inside);
+    }
+    return from_log_positions(zeta, log_kappa, task.beta);
+  }
+};
 
 }  // namespace
 

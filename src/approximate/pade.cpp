@@ -14,7 +14,8 @@ class Pade final : public Method {
   std::string_view source() const override { return "continued fraction at the centre of the band"; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     const long double log_kappa = std::log(static_cast<long double>(task.kappa));
-    return from_log_positions(pade_positions(log_kappa, task.beta, task.order), log_kappa, task.beta);
+    const std::vector<long double> zeta = pade_positions(log_kappa, task.beta, task.order);
+    return from_log_positions({zeta.begin(), zeta.end()}, log_kappa, task.beta);
   }
 };
 

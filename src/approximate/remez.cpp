@@ -33,19 +33,14 @@ Real pair_slope_by_v(Real v, ComplexReal z) {
 
 }  // namespace
 
-Remez::Remez(Real log_kappa, int order, bool over_band, Shape shape)
-    : log_kappa_(log_kappa), order_(order), shape_(shape) {
-  const Real m = std::tanh(0.5L * log_kappa);
-  // Modulus k = m * (end of the interval in tanh(v/2)); 1 - k^2 without cancellation.
-  const Real complement =
-      over_band ? std::sqrt((1.0L - m) * (1.0L + m) * (1.0L + m * m)) : 1.0L / std::cosh(0.5L * log_kappa);
+Remez::Remez(Real log_kappa, int order, Shape shape) : log_kappa_(log_kappa), order_(order), shape_(shape) {
+  const Real complement = 1.0L / std::cosh(0.5L * log_kappa);  // of the modulus tanh(ln kappa/2)
   const Real period = complete_elliptic_k(complement);
-  const auto place = [&](Real argument) {  // v of tanh(v/2) = end * sn(argument)
+  const auto place = [&](Real argument) {  // v of tanh(v/2) = sn(argument)
     const auto e = jacobi_elliptic(argument, complement);
-    if (!over_band) return 2.0L * std::asinh(e.sn / e.cn);
-    return 2.0L * std::atanh(m * e.sn);
+    return 2.0L * std::asinh(e.sn / e.cn);
   };
-  const Real end = over_band ? log_kappa : std::numeric_limits<Real>::infinity();
+  const Real end = std::numeric_limits<Real>::infinity();
   for (int j = 0; j < order; ++j) start_.push_back(place(period * (2 * j + 1) / (2 * order + 1)));
   start_.push_back(end);
   constexpr int kPerPoint = 12;
@@ -65,7 +60,7 @@ std::optional<Remez::Result> Remez::solve(Real beta, std::vector<Real> zeta, Rea
   int stale = 0;
   for (int iteration = 0; iteration < kMaxExchanges; ++iteration) {
     Real level = 0.0L;
-    for (int newton = 0; newton < (iteration == 0 ? 3 : 1); ++newton) {
+    for (int newton = 0; newton < (iteration == 0 ? 8 : 1); ++newton) {
       const auto reached = equalise(beta, zeta, reference);
       if (!reached) return std::nullopt;
       level = *reached;

@@ -9,7 +9,7 @@ namespace bodesmith {
 /// best approximation shares the symmetry of the term (mirror it and exchange poles with zeros), so the error is odd in
 /// v = 2 ln w and only v >= 0 is looked at: n positions and the level E make the error
 ///   e(v) = sum_k half_lead(v, zeta_k) - beta half_lead(v, ln kappa)
-/// alternate on n + 1 points there, the last of them at the end (w infinite, or the upper corner).
+/// alternate on n + 1 points there, the last of them at the end (w infinite).
 class Remez {
  public:
   /// What the unknowns stand for: first `pairs` conjugate pairs (two numbers each, real and imaginary part of zeta),
@@ -19,8 +19,8 @@ class Remez {
     int multiplicity = 1;
   };
 
-  /// `order` unknowns; equal ripple between the corners (`over_band`) or over all frequencies.
-  Remez(long double log_kappa, int order, bool over_band, Shape shape);
+  /// `order` unknowns.
+  Remez(long double log_kappa, int order, Shape shape);
 
   struct Result {
     std::vector<long double> zeta;

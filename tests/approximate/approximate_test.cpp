@@ -23,7 +23,7 @@ TEST(ApproximateCascade, MeetsTheLimitWithTheFewestPoles) {
     ApproximationOptions options;
     options.max_error_db = limit;
     const auto made = approximate_cascade(paper_cascade(), options);
-    EXPECT_TRUE(made.limit_met);
+    EXPECT_TRUE(made.limit_met());
     EXPECT_LE(made.error.everywhere_db, limit);
     // No split of one pole fewer meets it.
     const int poles = made.sections.pole_count();
@@ -55,7 +55,7 @@ TEST(ApproximateCascade, SaysWhenALimitCannotBeMet) {
   options.max_error_db = 1e-9;
   options.max_order = 6;
   const auto made = approximate_cascade(wide, options);
-  EXPECT_FALSE(made.limit_met);
+  EXPECT_FALSE(made.limit_met());
   EXPECT_EQ(made.sections.pole_count(), 6);
 }
 

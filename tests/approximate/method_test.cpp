@@ -60,7 +60,7 @@ TEST(DummyMethod, IsSearchedForTheFewestPoles) {
   options.method = registered_heap().name();
   options.max_error_db = 2.0;
   const auto made = approximate_cascade(two_terms(), options);
-  EXPECT_EQ(made.limit_met, made.error.everywhere_db <= 2.0);
+  EXPECT_EQ(made.limit_met(), made.error.everywhere_db <= 2.0);
   EXPECT_EQ(made.report_json()["max_error_db"], 2.0);
 }
 

@@ -39,7 +39,7 @@ std::string approximation_summary(const CascadeApproximation& result) {
                         term.order, rounded_text(term.error.everywhere_db, 3),
                         rounded_text(term.limit_law_db, 3));
   }
-  if (!result.limit_met) text += limit_not_met(*result.max_error_db, "dB");
+  if (!result.limit_met()) text += limit_not_met(*result.max_error_db, "dB");
   return text;
 }
 
@@ -171,7 +171,7 @@ int approximate_file(const CommandLine& line, const ApproximationOptions& option
   summary.update(result.report_json());
   if (result.sections.error) summary["error"] = result.sections.to_json()["error"];
   return print_summary(line, approximation_summary(result) + hint + rearrangement_text(result, done),
-                       timed_document("approximate_summary", from, summary, seconds), result.limit_met);
+                       timed_document("approximate_summary", from, summary, seconds), result.limit_met());
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ void sections_chapter(report::Page& page, const ProjectRun& run) {
       a.method, a.sections.pole_count(), rounded_text(a.error.everywhere_db, 3),
       rounded_text(a.error.band_db, 3), rounded_text(a.error.band_deg, 3),
       rounded_text(a.error.band.from.value), rounded_text(a.error.band.to.value)));
-  if (!a.limit_met) page.warning("The error limit could not be met at the largest order.");
+  if (!a.limit_met()) page.warning("The error limit could not be met at the largest order.");
   page.table(approximated_terms_table(a));
   add_alternatives(page, run);
   for (const std::string& reason : run.design.passed_over)

@@ -44,6 +44,12 @@ TEST(ApproximateCommand, ExitStatusSaysWhenALimitIsMissed) {
   EXPECT_EQ(missed.status, 1) << missed.err;
   EXPECT_NE(missed.out.find("NOT met"), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(folder / "s.json"));
+  // Of what is written: pairs that were left out count.
+  write_file(cascade, R"({"schema":"bodesmith.cascade/1","terms":[{"lambda_s":1,"x":0.1,"beta":0.5},
+                            {"lambda_s":0.12,"x":5,"beta":0.4}]})");
+  const auto merged = run_bodesmith("approximate " + cascade + " --max-error-db 1e-4 --merge-db 0.1" + to);
+  EXPECT_EQ(merged.status, 1) << merged.out;
+  EXPECT_NE(merged.out.find("NOT met"), std::string::npos);
 }
 
 TEST(ApproximateCommand, BadUsageIsOneLine) {

@@ -139,6 +139,15 @@ TEST(KernelLaws, RatesOfSourcesAreDifferences) {
       EXPECT_NEAR(inverse->values[i] + source.value(0.4 + 0.01 * static_cast<double>(i)), wanted.values[i],
                   1e-14);
   }
+  // Straight between its own points, every octave of it.
+  const Kernel pink = make_block("noise")
+                          .set("density_per_rthz", 0.1)
+                          .set("bandwidth_hz", 137.0)
+                          .set("corner_hz", 50.0)
+                          .kernel();
+  const SourceKernel& noise = *std::get<std::unique_ptr<SourceKernel>>(pink);
+  for (const double t : {1e-3, 0.7, 12.3})
+    EXPECT_NEAR(noise.rate(t) / ((noise.value(t + 1e-6) - noise.value(t - 1e-6)) / 2e-6), 1.0, 1e-5) << t;
   const Kernel hum =
       make_block("hum").set("amplitude", 0.2).set("frequency_hz", 50.0).set("phase_deg", 30.0).kernel();
   EXPECT_NEAR(std::get<std::unique_ptr<SourceKernel>>(hum)->value(0.0), 0.1, 1e-12);

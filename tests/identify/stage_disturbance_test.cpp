@@ -106,6 +106,16 @@ TEST(StageDisturbance, FindsPolynomialsAndGainsOfAStageWithoutLag) {
   EXPECT_EQ(found.varying(), Disturbance::Branch::descending);
 }
 
+TEST(StageDisturbance, TwoRecordsOfAFrequencyAreOneGainTheirMean) {
+  const DrawnStage stage;
+  std::vector<TimeRecord> records = records_of(stage);
+  records.push_back(stage.record(20.0, 1.0, 1.14, 7));
+  const StageDisturbance found = identify_disturbance(records);
+  ASSERT_EQ(found.disturbance.rate.frequency.size(), 5u);
+  EXPECT_NEAR(found.disturbance.rate.descending[2], 0.5 * (1.1 + 1.14), 2e-3);
+  EXPECT_NEAR(found.disturbance.rate.descending[3], 1.04, 2e-3);
+}
+
 TEST(StageDisturbance, TellsLagAndNoiseFromTheLoop) {
   DrawnStage stage;
   stage.noise = 0.002;

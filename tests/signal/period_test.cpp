@@ -30,6 +30,12 @@ TEST(FindPeriod, IsThatOfAMeasuredSignalAndNothingOfNoise) {
     EXPECT_EQ(find_period(repeating(n, 97.0, 2e-3, 1)), 97u) << n;
     EXPECT_EQ(find_period(repeating(n, static_cast<double>(n), 0.3, 2)), 0u) << n;
   }
+  // In whatever unit.
+  for (const double unit : {1e-3, 1e3}) {
+    std::vector<double> scaled = repeating(257, 97.0, 2e-3, 1);
+    for (double& v : scaled) v *= unit;
+    EXPECT_EQ(find_period(scaled), 97u) << unit;
+  }
   EXPECT_EQ(find_period(repeating(150, 97.0, 0.0, 1)), 0u) << "less than two of them";
 }
 

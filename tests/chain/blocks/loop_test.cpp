@@ -43,12 +43,14 @@ TEST(LoopBlock, SolvesItsEquationOnBothBranches) {
   ASSERT_FALSE(block.validate());
   Kernel kernel = block.kernel();
   MemoryKernel& loop = *std::get<std::unique_ptr<MemoryKernel>>(kernel);
+  EXPECT_TRUE(loop.has_branches());
   double v = loop.reset(0.0, true);
   EXPECT_NEAR(v, 0.0, 1e-12);
   for (int i = 1; i <= 200; ++i) {
     const double r = i <= 100 ? i / 100.0 : 2.0 - i / 100.0;
     const double* a = i <= 100 ? up : down;
     EXPECT_EQ(loop.peek(r, 1e-3), v = loop.step(r, 1e-3));
+    EXPECT_EQ(loop.on_branch(i <= 100, r), v);
     EXPECT_NEAR(v + v * (a[0] + v * (a[1] + v * a[2])), r, 1e-12);
   }
   // One pass is the paper's v = r - d(r).

@@ -107,6 +107,21 @@ TEST(MeasuredFit, WithoutNoiseTheResponseIsMetExactly) {
   EXPECT_LT(fit.max_db, 1e-6);
 }
 
+// s^2 + 2 damping frequency s + frequency^2 is 0 at them.
+TEST(FactoredResponse, RootsOfAPairAreThoseOfItsQuadratic) {
+  for (const double damping : {-1.7, -0.3, 0.02, 0.8, 1.0, 1.3, 40.0}) {
+    FactoredResponse::Factor pair;
+    pair.pair = true;
+    pair.frequency = 3.0;
+    pair.damping = damping;
+    const auto roots = pair.roots();
+    ASSERT_EQ(roots.size(), 2u);
+    EXPECT_NEAR(std::abs(roots[0] + roots[1] + 6.0 * damping), 0.0, 1e-13 * (1.0 + std::abs(damping)))
+        << damping;
+    EXPECT_NEAR(std::abs(roots[0] * roots[1] - 9.0), 0.0, 1e-13) << damping;
+  }
+}
+
 TEST(MeasuredFit, ManyPolesInManyPoints) {
   std::vector<Complex> poles;
   std::vector<Complex> zeros;

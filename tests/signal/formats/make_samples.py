@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the sample files beside it, after each format's documentation (README.md says which): all of them hold the
 same low-pass of 1 kHz, H(f) = 1/(1 + jf/1000 Hz), or a record of it. Files of ngspice come from ngspice itself."""
-import cmath, math, pathlib, struct, subprocess, tempfile
+import cmath, math, pathlib, struct, subprocess, tempfile, zlib
 
 here = pathlib.Path(__file__).parent
 corner = 1000.0
@@ -209,6 +209,8 @@ mat("response.mat", matrix("f", freqs), matrix("H", [h(f) for f in freqs]))
 mat("bode.mat", matrix("wout", [2 * math.pi * f for f in freqs]), matrix("mag", [abs(h(f)) for f in freqs]),
     matrix("phase", [deg(h(f)) for f in freqs]))
 mat("record.mat", matrix("fs", [10000.0]), matrix("u", u), matrix("y", y))
+mat("compressed.mat", *[struct.pack("<II", 15, len(z)) + z for z in
+                        (zlib.compress(one) for one in (matrix("fs", [10000.0]), matrix("u", u), matrix("y", y)))])
 
 # Bare tables.
 write("plain.txt", "".join(f"{f:.10g} {abs(h(f)):.10g}\n" for f in freqs))

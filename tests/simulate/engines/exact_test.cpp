@@ -66,6 +66,16 @@ TEST(Engines, ExactWithDelayGainAndDrift) {
   EXPECT_THROW(simulate(chain, in, exact), InputError);
 }
 
+// Three whole samples late, though 3 steps of .001 are not .003 to the last digit: from the fourth on it is the input's own.
+TEST(ExactEngine, ADelayOfWholeSamplesShiftsBySoMany) {
+  const Chain chain{{make_block("gain").set("gain", 2.0), make_block("delay").set("delay_s", 0.003)}};
+  const auto in = record_of(50, 0.001, [](double t) { return 1.0 + t; });
+  Options exact;
+  exact.engine = Engine::exact;
+  const auto y = simulate(chain, in, exact).y;
+  for (std::size_t i = 0; i < y.size(); ++i) EXPECT_NEAR(y[i], i < 3 ? 0.0 : 2.0 * in.u[i - 3], 1e-11) << i;
+}
+
 TEST(ExactEngine, LongReferencesAreOneSegmentAHalfPeriod) {
   const Chain chain{{make_block("lowpass").set("corner_hz", 30.0)}};
   // A period of whole samples, and one (97 Hz) whose corners lie between samples: rounding must not cut

@@ -1,5 +1,4 @@
-#include "project/filter_project.hpp"
-#include "project/source.hpp"
+#include "project/project.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {
@@ -7,9 +6,9 @@ namespace {
 
 void read_filter_bytes(std::string_view bytes) {
   as_file("frequency_hz,gain\n1,1\n10,1.06\n20,1.1\n", "gains.csv");
-  auto source = project::ProjectSource::read(as_file(bytes, "filter.toml"));
-  const auto project = project::FilterProject::from_document(source.document, source.file, source.from);
-  require_finite(project.band.from.value + project.band.to.value);
+  Provenance from;
+  const auto project = project::Project::read(as_file(bytes, "filter.toml"), from);
+  require_finite(project.target.band.from.value + project.target.band.to.value);
 }
 const Registered filter_reader{"filter_project", read_filter_bytes};
 

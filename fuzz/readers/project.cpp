@@ -12,10 +12,11 @@ void read_project_bytes(std::string_view bytes) {
       "disturbance.json");
   Provenance from;
   const auto project = project::Project::read(as_file(bytes, "project.toml"), from);
-  require_finite(project.target.base.value + project.plant.stroke_m + project.plant.damping_ratio);
+  if (!project.plant) return;
+  require_finite(project.target.base.value + project.plant->stroke_m + project.plant->damping_ratio);
   for (const double amplitude : project.track.amplitudes) require_finite(amplitude);
   for (const Hertz f : project.track.frequency) require_finite(f.value);
-  if (const auto& damping = project.plant.damping_compensator) {
+  if (const auto& damping = project.plant->damping_compensator) {
     for (const auto& zero : damping->zeros) require_finite(zero.real() + zero.imag());
     for (const auto& pole : damping->poles) require_finite(pole.real() + pole.imag());
   }

@@ -1,5 +1,5 @@
 // run: a project file to everything.
-#include "project/run_project.hpp"
+#include "project/run.hpp"
 
 #include "base/documents/json.hpp"
 #include "functions.hpp"
@@ -10,9 +10,9 @@ Answer run_project(const Call& call) {
   const auto run = project::run_project(project::ProjectSource::read(call.options.at("path").string()),
                                         call.options.at("folder").string());
   Answer out;
-  out.result = json_header("run", run->from);
-  out.result.update(run->json());
-  out.result["limits_met"] = run->limits_met();
+  out.result = json_header("run", run.from);
+  out.result.update(run.json());
+  out.result["limits_met"] = run.limits_met();
   return out;
 }
 

@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "project/run_project.hpp"
+#include "project/run.hpp"
 #include "report/plot.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"

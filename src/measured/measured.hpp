@@ -8,7 +8,7 @@
 #include "base/files.hpp"
 #include "base/provenance.hpp"
 #include "gap/search_options.hpp"
-#include "project/source.hpp"
+#include "project/project.hpp"
 
 namespace bodesmith::measured {
 

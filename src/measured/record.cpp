@@ -13,7 +13,7 @@
 #include "gap/report/words.hpp"
 #include "measured/measured.hpp"
 #include "measured/suspects.hpp"
-#include "project/run_project.hpp"
+#include "project/run.hpp"
 #include "signal/csv.hpp"
 #include "signal/period.hpp"
 #include "signal/statistics.hpp"

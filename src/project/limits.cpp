@@ -28,34 +28,30 @@ std::string LimitCheck::got_text() const {
   return got ? rounded_text(*got, 3) : "not made";
 }
 
-std::vector<LimitCheck> check_limits(const Project::Limits& limits, const Project::Limits& got) {
-  std::vector<LimitCheck> out;
-  const auto check = [&](const char* name, std::optional<double> Project::Limits::*which) {
-    if (limits.*which) out.push_back({name, *(limits.*which), got.*which});
-  };
-  check("fit_db", &Project::Limits::fit_db);
-  check("points_db", &Project::Limits::points_db);
-  check("approximation_db", &Project::Limits::approximation_db);
-  check("fpaa_percent", &Project::Limits::fpaa_percent);
-  check("circuit_db", &Project::Limits::circuit_db);
-  check("tracking_percent", &Project::Limits::tracking_percent);
-  check("agreement_percent", &Project::Limits::agreement_percent);
-  check("yield_db", &Project::Limits::yield_db);
-  return out;
-}
-
 std::vector<LimitCheck> check_limits(const Project& project, const Design& design,
                                      const TrackingStudy& tracking) {
-  Project::Limits got;
-  if (design.fit.cascade.fit) got.fit_db = design.fit.cascade.fit->max_db;
-  got.points_db = design.built().points_max_db;
-  got.approximation_db = design.approximation.error.everywhere_db;
-  if (design.plan) got.fpaa_percent = design.plan->error_with_delays.max_complex_percent;
-  if (design.circuit) got.circuit_db = design.circuit->best.judged.max_magnitude_db;
+  using Limits = Project::Limits;
+  std::vector<LimitCheck> out;
+  const auto check = [&](const char* name, std::optional<double> Limits::*limit, std::optional<double> got) {
+    if (project.limits.*limit) out.push_back({name, *(project.limits.*limit), got});
+  };
+  std::optional<double> points, fpaa, circuit, tracked, yield;
+  if (!project.target.sections) points = design.built().points_max_db;
+  if (design.plan) fpaa = design.plan->error_with_delays.max_complex_percent;
+  if (design.circuit) circuit = design.circuit->best.judged.max_magnitude_db;
   if (const TrackedDesign* built = tracking.find(tracking.as_built))
-    got.tracking_percent = built->worst_without_lag_percent();
-  got.agreement_percent = worst_agreement(tracking.engines);
-  return check_limits(project.limits, got);
+    tracked = built->worst_without_lag_percent();
+  if (design.yield) yield = design.yield->worst_db.quantile(0.95);
+  check("fit_db", &Limits::fit_db, design.fit ? design.fit->cascade.fit->max_db : points);
+  check("points_db", &Limits::points_db, points);
+  check("approximation_db", &Limits::approximation_db,
+        design.approximation ? design.approximation->error.everywhere_db : 0.0);
+  check("fpaa_percent", &Limits::fpaa_percent, fpaa);
+  check("circuit_db", &Limits::circuit_db, circuit);
+  check("tracking_percent", &Limits::tracking_percent, tracked);
+  check("agreement_percent", &Limits::agreement_percent, worst_agreement(tracking.engines));
+  check("yield_db", &Limits::yield_db, yield);
+  return out;
 }
 
 std::string limits_text(const std::vector<LimitCheck>& limits) {

@@ -21,9 +21,8 @@ struct LimitCheck {
   std::string got_text() const;  ///< "0.0123", "not made"
 };
 
-/// Of the limits that the project sets, in the order of Limits; `got`: what came of each, absent where it was not made.
-std::vector<LimitCheck> check_limits(const Project::Limits& limits, const Project::Limits& got);
-/// The sections at the points, the board as it runs, parts and op-amps together, tracking as built.
+/// Of the limits that the project sets, in the order of Limits: the sections at the points, the board as it runs, parts and op-amps
+/// together, tolerances, tracking as built.
 std::vector<LimitCheck> check_limits(const Project& project, const Design& design,
                                      const TrackingStudy& tracking);
 

@@ -12,29 +12,45 @@
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
+#include "lti/fractional_transfer.hpp"
 #include "lti/sections.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/disturbance.hpp"
 #include "tolerance/controller/errors.hpp"
+#include "tolerance/yield.hpp"
 #include "tracking/reference.hpp"
 
 namespace bodesmith::project {
 
-/// The specification in project.toml (schema bodesmith.project/1). Paths in it are relative to its folder.
+/// The specification in project.toml (schema bodesmith.project/1): a response to build, or with a disturbance the controller
+/// of a stage, which is tracked. Paths in it are relative to its folder.
 struct Project {
   std::string name;
 
+  /// One of points, sections, fractional; of a stage points, and its disturbance.
   struct Target {
+    std::string file;  ///< which says it, as the project names it
     BodePoints points;
+    std::optional<Sections> sections;
+    std::optional<FractionalTransfer> fractional;
+    Band band;   ///< in which it is judged: the points', the sections' own, or as the project says
+    Hertz base;  ///< gain 1 here, of points
     Disturbance disturbance;
     Disturbance::Branch branch = Disturbance::Branch::descending;
-    Hertz base;
+
+    bool has_points() const { return !points.points.empty(); }
   } target;
 
+  /// What points or a fractional transfer become. A stage's become a cascade by the chart of the disturbance paper.
   struct Fit {
-    bool bounded = false;
-    double beta_max = 2.0;
+    enum class Method { automatic, interpolate, bounded, direct } method = Method::automatic;
+    std::optional<double> max_error_db;
+    std::optional<int> order;
+    double beta_max = 5.0;
     bool beta_positive = false;
+    bool real = false;
+    int relative_degree = 0;
+    std::optional<Hertz> max_corner;
   } fit;
 
   struct Approximate {
@@ -43,7 +59,7 @@ struct Project {
     std::optional<double> max_error_db;
   } approximate;
 
-  /// Which of the alternatives is built ([choose] by), see alternatives.hpp.
+  /// Which of a stage's alternatives is built ([choose] by), see alternatives.hpp.
   enum class Choice { tracking, as_asked, fewest_sections, waveform } choice = Choice::tracking;
 
   struct Fpaa {
@@ -58,8 +74,9 @@ struct Project {
     std::string capacitors = "E12";
   };
   std::optional<Circuit> circuit;  ///< absent: no op-amp circuit is designed
+  tolerance::Spread spread;        ///< of its parts, where there is no stage
 
-  /// The whole analog controller, which goes with [hardware.circuit].
+  /// The whole analog controller of a stage, which goes with [hardware.circuit].
   struct Controller {
     std::optional<std::string> form;  ///< "self-fed", "two-pass", "seed"; absent: see controllers.hpp
     tolerance::PartErrors errors;     ///< how far its parts are off
@@ -76,7 +93,8 @@ struct Project {
     std::optional<Section> damping_compensator;
     /// What the amplifier can put out, in full strokes.
     std::optional<std::array<double, 2>> drive_range;
-  } plant;
+  };
+  std::optional<Plant> plant;  ///< absent: a response to build, nothing to track
 
   /// The references that the stage must follow. The design is chosen and stated for the first waveform at the
   /// largest amplitude; the others are followed beside it.
@@ -99,7 +117,7 @@ struct Project {
     std::optional<double> circuit_db;         ///< parts and op-amps together
     std::optional<double> tracking_percent;   ///< as built, worst rms of all frequencies, delay removed
     std::optional<double> agreement_percent;  ///< of all engines on one built thing (EngineRow)
-    std::optional<double> yield_db;  ///< 95 of 100 circuits within it; projects without a disturbance
+    std::optional<double> yield_db;           ///< 95 of 100 circuits within it, where there is no stage
   } limits;
 
   /// Not in the file: a time after which what the design does not need is left out, and said.
@@ -107,11 +125,24 @@ struct Project {
 
   /// Reads the project and the files it names; every InputError has file and line.
   static Project read(const std::filesystem::path& path, Provenance& from);
-  /// The same of a document that was read from `path` (and changed since, see ProjectSource).
-  static Project from_document(const Node& document, const std::filesystem::path& path, Provenance& from);
+};
+
+/// A project file as it was read, before anything is made of it: a sweep changes it in between.
+struct ProjectSource {
+  std::filesystem::path file;
+  Node document;
+  Provenance from;
+  Deadline deadline{};  ///< of the run, see Project::deadline
+
+  /// Throws InputError (file and line) for what is no project.
+  static ProjectSource read(const std::filesystem::path& file);
+
+  /// What the document says, and the files that it names.
+  Project project(Provenance& from) const;
 };
 
 /// The words of the project file.
 std::string_view to_string(Project::Choice choice);
+std::string_view to_string(Project::Fit::Method method);
 
 }  // namespace bodesmith::project

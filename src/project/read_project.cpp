@@ -8,14 +8,17 @@
 #include "approximate/method.hpp"
 #include "base/documents/document.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "fpaa/device/board.hpp"
-#include "project/tables.hpp"
 #include "project/track_file.hpp"
+#include "synthesis/circuit.hpp"
 #include "synthesis/parts/series.hpp"
 #include "synthesis/realisation.hpp"
 
 namespace bodesmith::project {
 namespace fs = std::filesystem;
+
+namespace {
 
 /// A file that the project names, which must exist: the error names the project's line.
 fs::path file_at(const Node& table, std::string_view key, const fs::path& folder) {
@@ -26,8 +29,6 @@ fs::path file_at(const Node& table, std::string_view key, const fs::path& folder
     node.fail(fmt::format("names {}, which does not exist", path.string()));
   return path;
 }
-
-namespace {
 
 /// The name at `key`, or `otherwise`. `check` throws for one that is not known: then the error names the project's line.
 template <class Check>
@@ -43,8 +44,6 @@ std::string known_name(const Node& table, std::string_view key, const std::strin
   }
   return node.string();
 }
-
-}  // namespace
 
 Project::Approximate read_approximate(const Node& node) {
   node.allow_only({"method", "order", "max_error_db"});
@@ -78,12 +77,12 @@ Project::Circuit read_circuit(const Node& node) {
   return circuit;
 }
 
-Project::Limits read_limits(const Node& node, bool tolerances) {
-  if (!tolerances && node.has("yield_db"))
+Project::Limits read_limits(const Node& node, bool stage) {
+  if (stage && node.has("yield_db"))
     node.at("yield_db")
         .fail("is for projects without a disturbance; here controller/trim.md says what parts do");
   for (const char* key : {"tracking_percent", "agreement_percent"}) {
-    if (tolerances && node.has(key)) node.at(key).fail("is for projects with a disturbance, which track");
+    if (!stage && node.has(key)) node.at(key).fail("is for projects with a disturbance, which track");
   }
   node.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db",
                    "tracking_percent", "agreement_percent", "yield_db"});
@@ -94,8 +93,6 @@ Project::Limits read_limits(const Node& node, bool tolerances) {
   return {limit("fit_db"),     limit("points_db"),        limit("approximation_db"),  limit("fpaa_percent"),
           limit("circuit_db"), limit("tracking_percent"), limit("agreement_percent"), limit("yield_db")};
 }
-
-namespace {
 
 /// Roots of s^2 + c1 s + c0.
 std::vector<std::complex<double>> quadratic_roots(const Node& node) {
@@ -112,7 +109,8 @@ std::vector<std::complex<double>> quadratic_roots(const Node& node) {
   return {{far, 0.0}, {c[1] / far, 0.0}};
 }
 
-Project::Target read_target(const Node& node, const fs::path& folder, Provenance& from) {
+/// Of a stage: the gains of its disturbance over frequency.
+Project::Target read_stage_target(const Node& node, const fs::path& folder, Provenance& from) {
   node.allow_only({"points", "disturbance", "branch", "base_hz"});
   Project::Target target;
   target.points = BodePoints::read_csv(file_at(node, "points", folder), from);
@@ -125,13 +123,64 @@ Project::Target read_target(const Node& node, const fs::path& folder, Provenance
   return target;
 }
 
-Project::Fit read_fit(const Node& node) {
+/// One of points, sections, fractional.
+Project::Target read_response_target(const Node& node, const fs::path& folder, Provenance& from) {
+  node.allow_only({"points", "sections", "fractional", "from_hz", "to_hz"});
+  const bool band = node.has("from_hz") && node.has("to_hz");
+  if (node.has("from_hz") != node.has("to_hz"))
+    node.fail("has one end of a band, expected from_hz and to_hz");
+  if (node.has("points") + node.has("sections") + node.has("fractional") != 1)
+    node.fail("expected one of points, sections and fractional, or points with a disturbance");
+  const char* key = node.has("points") ? "points" : node.has("sections") ? "sections" : "fractional";
+  const fs::path file = file_at(node, key, folder);
+  Project::Target target;
+  target.file = node.at(key).string();
+  if (node.has("points")) {
+    target.points = BodePoints::read_csv(file, from);
+    target.base = target.points.points.front().frequency;
+    target.band = {target.base, target.points.points.back().frequency};
+  } else if (node.has("sections")) {
+    target.sections = Sections::read(file, from);
+    target.band = synthesis::judged_band(*target.sections);
+  } else {
+    target.fractional = FractionalTransfer::read(file, from);
+    if (!band) node.at(key).fail("needs from_hz and to_hz, the band it is approximated over");
+  }
+  if (band) {
+    target.band = {Hertz{node.at("from_hz").positive()}, Hertz{node.at("to_hz").positive()}};
+    if (!(target.band.from < target.band.to)) node.at("to_hz").fail("is not above from_hz");
+  }
+  return target;
+}
+
+using Method = Project::Fit::Method;
+
+Project::Fit read_stage_fit(const Node& node) {
   node.allow_only({"method", "beta_max", "beta_positive"});
   Project::Fit fit;
-  fit.bounded = node.has("method") && node.at("method").one_of({"interpolate", "bounded"}) == "bounded";
-  if (node.has("beta_max")) fit.beta_max = node.at("beta_max").positive();
+  if (node.has("method")) fit.method = one_of(node.at("method"), Method::interpolate, Method::bounded);
+  fit.beta_max = node.has("beta_max") ? node.at("beta_max").positive() : 2.0;
   fit.beta_positive = node.boolean_or("beta_positive", false);
-  if (fit.beta_positive && !fit.bounded) node.at("beta_positive").fail("needs method = \"bounded\"");
+  if (fit.beta_positive && fit.method != Method::bounded)
+    node.at("beta_positive").fail("needs method = \"bounded\"");
+  return fit;
+}
+
+Project::Fit read_response_fit(const Node& node, Hertz& base) {
+  node.allow_only(
+      {"method", "max_error_db", "order", "beta_max", "real", "relative_degree", "max_corner_hz", "base_hz"});
+  Project::Fit fit;
+  if (node.has("method"))
+    fit.method =
+        one_of(node.at("method"), Method::automatic, Method::interpolate, Method::bounded, Method::direct);
+  if (node.has("max_error_db")) fit.max_error_db = node.at("max_error_db").positive();
+  if (node.has("order")) fit.order = static_cast<int>(node.at("order").integer(1, 12));
+  if (node.has("beta_max")) fit.beta_max = node.at("beta_max").positive();
+  fit.real = node.boolean_or("real", false);
+  if (node.has("relative_degree"))
+    fit.relative_degree = static_cast<int>(node.at("relative_degree").integer(0, fit.order.value_or(12)));
+  if (node.has("max_corner_hz")) fit.max_corner = Hertz{node.at("max_corner_hz").positive()};
+  if (node.has("base_hz")) base = Hertz{node.at("base_hz").positive()};
   return fit;
 }
 
@@ -179,6 +228,33 @@ Project::Controller read_controller(const Node& node) {
   return out;
 }
 
+void read_hardware(const Node& node, bool stage, Project& out) {
+  if (stage) {
+    node.allow_only({"fpaa", "circuit", "controller"});
+  } else {
+    node.allow_only({"fpaa", "circuit"});
+  }
+  if (node.has("fpaa")) out.fpaa = read_fpaa(node.at("fpaa"));
+  if (node.has("circuit")) out.circuit = read_circuit(node.at("circuit"));
+  if (!node.has("controller")) return;
+  out.controller = read_controller(node.at("controller"));
+  if (!out.circuit) node.at("controller").fail("needs [hardware.circuit], whose parts it is made of");
+}
+
+double tolerance_percent(const Node& node) {
+  const double out = node.positive();
+  if (!(out < 100.0)) node.fail(fmt::format("is {}, expected less than 100", rounded_text(out)));
+  return out;
+}
+
+tolerance::Spread read_spread(const Node& node) {
+  node.allow_only({"resistor_percent", "capacitor_percent"});
+  tolerance::Spread out;
+  if (node.has("resistor_percent")) out.resistor_percent = tolerance_percent(node.at("resistor_percent"));
+  if (node.has("capacitor_percent")) out.capacitor_percent = tolerance_percent(node.at("capacitor_percent"));
+  return out;
+}
+
 }  // namespace
 
 std::string_view to_string(Project::Choice choice) {
@@ -186,38 +262,55 @@ std::string_view to_string(Project::Choice choice) {
   return kWords.at(static_cast<std::size_t>(choice));
 }
 
-Project Project::read(const fs::path& path, Provenance& from) {
-  return from_document(read_document(path, from), path, from);
+std::string_view to_string(Project::Fit::Method method) {
+  constexpr std::array kWords = {"automatic", "interpolate", "bounded", "direct"};
+  return kWords.at(static_cast<std::size_t>(method));
 }
 
-Project Project::from_document(const Node& node, const fs::path& path, Provenance& from) {
-  node.expect_schema("project");
-  node.allow_only(
-      {"schema", "name", "target", "fit", "approximate", "choose", "hardware", "plant", "track", "limits"});
-  Project project;
-  project.name = node.string_or("name", path.stem().string());
-  project.target = read_target(node.at("target"), path.parent_path(), from);
-  if (node.has("fit")) project.fit = read_fit(node.at("fit"));
-  // What will be tracked decides, unless [choose] says otherwise.
-  if (node.has("approximate")) project.approximate = read_approximate(node.at("approximate"));
-  if (node.has("choose")) project.choice = read_choice(node.at("choose"));
-  if (node.has("hardware")) {
-    const Node hardware = node.at("hardware");
-    hardware.allow_only({"fpaa", "circuit", "controller"});
-    if (hardware.has("fpaa")) project.fpaa = read_fpaa(hardware.at("fpaa"));
-    if (hardware.has("circuit")) project.circuit = read_circuit(hardware.at("circuit"));
-    if (hardware.has("controller")) {
-      project.controller = read_controller(hardware.at("controller"));
-      if (!project.circuit)
-        hardware.at("controller").fail("needs [hardware.circuit], whose parts it is made of");
-    }
+ProjectSource ProjectSource::read(const fs::path& file) {
+  Provenance from;
+  const Node document = read_document(file, from);
+  document.expect_schema("project");
+  return {file, document, std::move(from), {}};
+}
+
+Project Project::read(const fs::path& path, Provenance& from) {
+  const ProjectSource source = ProjectSource::read(path);
+  from = source.from;
+  return source.project(from);
+}
+
+Project ProjectSource::project(Provenance& names) const {
+  const Node& node = document;
+  const fs::path folder = file.parent_path();
+  const bool stage = node.has("track") || node.has("plant") ||
+                     (node.has("target") && node.at("target").kind() == Node::Kind::object &&
+                      node.at("target").has("disturbance"));
+  if (stage) {
+    node.allow_only(
+        {"schema", "name", "target", "fit", "approximate", "choose", "hardware", "plant", "track", "limits"});
+  } else {
+    node.allow_only({"schema", "name", "target", "fit", "approximate", "hardware", "tolerances", "limits"});
   }
-  project.plant = read_plant(node.at("plant"));
-  project.track = read_track(node.at("track"));
-  check_drive(project, node);
-  if (project.choice == Choice::tracking) check_loop(project, node, path.parent_path());
-  if (node.has("limits")) project.limits = read_limits(node.at("limits"), false);
-  return project;
+  Project out;
+  out.name = node.string_or("name", file.stem().string());
+  out.deadline = deadline;
+  out.target = (stage ? read_stage_target : read_response_target)(node.at("target"), folder, names);
+  if (node.has("fit"))
+    out.fit = stage ? read_stage_fit(node.at("fit")) : read_response_fit(node.at("fit"), out.target.base);
+  if (node.has("approximate")) out.approximate = read_approximate(node.at("approximate"));
+  // What will be tracked decides, unless [choose] says otherwise.
+  if (node.has("choose")) out.choice = read_choice(node.at("choose"));
+  if (node.has("hardware")) read_hardware(node.at("hardware"), stage, out);
+  if (node.has("tolerances")) out.spread = read_spread(node.at("tolerances"));
+  if (stage) {
+    out.plant = read_plant(node.at("plant"));
+    out.track = read_track(node.at("track"));
+    check_drive(out, node);
+    if (out.choice == Project::Choice::tracking) check_loop(out, node, folder);
+  }
+  if (node.has("limits")) out.limits = read_limits(node.at("limits"), stage);
+  return out;
 }
 
 }  // namespace bodesmith::project

@@ -86,8 +86,8 @@ Project::Track read_track(const Node& node) {
 }
 
 void check_drive(const Project& project, const Node& node) {
-  if (!project.plant.drive_range) return;
-  const auto [lowest, highest] = *project.plant.drive_range;
+  if (!project.plant->drive_range) return;
+  const auto [lowest, highest] = *project.plant->drive_range;
   constexpr double kRounding = 1e-9;
   for (const double amplitude : project.track.amplitudes) {
     const auto [low, high] = drive_extremes(project, amplitude);

@@ -3,7 +3,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "measured/measured.hpp"
-#include "project/run_project.hpp"
+#include "project/run.hpp"
 #include "project/sweep/sweep.hpp"
 
 namespace bodesmith::cli {
@@ -72,10 +72,10 @@ int run_run(const std::vector<std::string>& arguments) {
   auto source = project::ProjectSource::read(line.files().front());
   if (const auto seconds = line.maybe_positive("max-seconds")) source.deadline = Deadline(*seconds);
   if (line.has("measured")) return run_built(line, source);
-  const std::unique_ptr<project::Run> run = project::run_project(source, line.output_path());
-  Json summary = json_header("run", run->from);
-  summary.update(run->json());
-  return print_summary(line, run->summary(line.output_path()), summary, run->limits_met());
+  const project::Run run = project::run_project(source, line.output_path());
+  Json summary = json_header("run", run.from);
+  summary.update(run.json());
+  return print_summary(line, run.summary(line.output_path()), summary, run.limits_met());
 }
 
 }  // namespace bodesmith::cli

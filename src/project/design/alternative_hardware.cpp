@@ -14,6 +14,7 @@ fpaa::PlanOptions plan_options(const Project& project, const Band& band) {
 }
 
 Outcome<fpaa::Plan> try_plan(const Sections& sections, const fpaa::PlanOptions& options) {
+  if (integrates(sections)) return Refusal{"the sections have a pole at 0, which a plan does not make"};
   try {
     return fpaa::make_plan(sections, options);
   } catch (const DesignError& error) {
@@ -38,24 +39,13 @@ Sections stating_band(Sections sections, Band band) {
   return sections;
 }
 
-Outcome<synthesis::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
-                                             std::optional<Band> band) {
-  synthesis::BuildSearch search;
-  search.options.realisation = options.realisation;
-  search.options.resistors = synthesis::Series::named(options.resistors);
-  search.options.capacitors = synthesis::Series::named(options.capacitors);
-  search.may_choose = band && options.realisation == Project::Circuit{}.realisation;
-  if (band) sections = stating_band(std::move(sections), *band);
-  return synthesis::realise_for_building(sections, search);
-}
-
-AlternativeHardware::AlternativeHardware(const Project& project, const Cascade& cascade,
+AlternativeHardware::AlternativeHardware(const Project& project, const std::optional<CascadeFit>& fit,
                                          const std::vector<Alternative>& alternatives)
     : project_(project) {
   for (const Alternative& alternative : alternatives) {
     Place& place = places_.emplace_back();
     place.sections = alternative.sections;
-    place.band = design_band(project, cascade, alternative.sections);
+    place.band = design_band(project, fit, alternative.sections);
   }
 }
 
@@ -63,7 +53,14 @@ const std::optional<Outcome<synthesis::BuildChoice>>& AlternativeHardware::circu
     std::size_t alternative) {
   Place& place = places_[alternative];
   std::call_once(place.circuit_once, [&] {
-    if (project_.circuit) place.circuit = make_circuit(*project_.circuit, place.sections);
+    if (!project_.circuit) return;
+    synthesis::BuildSearch search;
+    search.options.realisation = project_.circuit->realisation;
+    search.options.resistors = synthesis::Series::named(project_.circuit->resistors);
+    search.options.capacitors = synthesis::Series::named(project_.circuit->capacitors);
+    search.may_choose = !project_.plant && search.options.realisation == Project::Circuit{}.realisation;
+    place.circuit = synthesis::realise_for_building(
+        project_.plant ? place.sections : stating_band(place.sections, place.band), search);
   });
   return place.circuit;
 }

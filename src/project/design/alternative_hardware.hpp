@@ -18,11 +18,6 @@ namespace bodesmith::project {
 /// The sections, which state that they are made for `band`.
 Sections stating_band(Sections sections, Band band);
 
-/// The circuit of a project with [hardware.circuit], judged as `spice` does. With a band in that, and by another realisation
-/// where the usual one falls short; without (one of several alternatives) as asked alone.
-Outcome<synthesis::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
-                                             std::optional<Band> band = std::nullopt);
-
 /// The disturbance paper's configuration: FilterBilinear alone, on one chip at one clock, which is searched. Nothing where no board is
 /// asked for, or it cannot be made so.
 std::optional<fpaa::Plan> make_paper_plan(const Project& project, const Sections& sections, Band band);
@@ -32,10 +27,11 @@ std::optional<fpaa::Plan> make_paper_plan(const Project& project, const Sections
 class AlternativeHardware {
  public:
   /// The project must live as long as this does.
-  AlternativeHardware(const Project& project, const Cascade& cascade,
+  AlternativeHardware(const Project& project, const std::optional<CascadeFit>& fit,
                       const std::vector<Alternative>& alternatives);
 
-  /// Absent where the project has no such hardware.
+  /// Absent where the project has no such hardware. Of several alternatives by the realisation that was asked for alone; without
+  /// a plant judged in the target's band, and by another realisation where the usual one falls short.
   const std::optional<Outcome<synthesis::BuildChoice>>& circuit_of(std::size_t alternative);
   /// To be built: all that the search can do.
   const std::optional<Outcome<fpaa::Plan>>& plan_of(std::size_t alternative);

@@ -21,19 +21,19 @@ Alternative rated_alternative(const Project& project, std::string name, Alternat
   out.name = std::move(name);
   out.kind = kind;
   out.sections = sections;
+  const auto response = [&sections](RadPerSecond w) { return sections.response(w); };
+  out.points_max_db = max_error_at_points(project, response);
   for (const BodePoint& point : project.target.points.points) {
     if (point.frequency <= project.target.base) continue;
-    const std::complex<double> h = sections.response(point.frequency.rad_s());
-    out.points_max_db = std::max(out.points_max_db, std::abs(to_decibel(std::abs(h) / point.gain)));
-    out.phase_at_points_deg = std::max(out.phase_at_points_deg, std::abs(to_degrees(std::arg(h))));
+    out.phase_at_points_deg =
+        std::max(out.phase_at_points_deg, std::abs(to_degrees(std::arg(response(point.frequency.rad_s())))));
   }
   double gain_at_infinity = sections.gain;
   for (const Section& section : sections.sections) gain_at_infinity *= section.high_frequency_gain();
   out.above_band_db = gain_at_infinity == 0.0 ? -INFINITY : to_decibel(gain_at_infinity);
   WaveformErrorOptions options;
   options.path = compensated_path(project);
-  out.waveform = waveform_error([&sections](RadPerSecond w) { return sections.response(w); },
-                                project.target.disturbance, project.track.frequency, options);
+  out.waveform = waveform_error(response, project.target.disturbance, project.track.frequency, options);
   out.tracked_at_percent = tracked_percents(
       project, compensated_design(project, out.name, sections, tracking::GeneratorForm::self_fed()));
   for (const double percent : out.tracked_at_percent)
@@ -69,6 +69,16 @@ Alternative waveform_alternative(const Project& project, int order) {
 DrivenPath compensated_path(const Project& project) {
   return project.target.branch == Disturbance::Branch::ascending ? DrivenPath::ascending
                                                                  : DrivenPath::descending;
+}
+
+double max_error_at_points(const Project& project, const FrequencyResponse& response) {
+  double out = 0.0;
+  for (const BodePoint& point : project.target.points.points) {
+    if (point.frequency <= project.target.base) continue;
+    const double got = std::abs(response(point.frequency.rad_s()));
+    out = std::max(out, std::abs(to_decibel(got / point.gain)));
+  }
+  return out;
 }
 
 std::vector<Alternative> make_alternatives(const Project& project,
@@ -115,14 +125,15 @@ std::vector<std::size_t> rank_alternatives(const Project& project,
   return order;
 }
 
-Band design_band(const Project& project, const Cascade& cascade, const Sections& sections) {
+Band design_band(const Project& project, const std::optional<CascadeFit>& fit, const Sections& sections) {
+  if (!project.plant) return project.target.band;
   Band band{project.target.points.points.front().frequency, project.target.points.points.back().frequency};
   const auto widen = [&band](const Band& other) {
     if (!(other.from.value > 0.0) || !(other.to >= other.from)) return;
     band.from = std::min(band.from, other.from);
     band.to = std::max(band.to, other.to);
   };
-  if (!cascade.terms.empty()) widen(cascade.corner_band());
+  if (!fit->cascade.terms.empty()) widen(fit->cascade.corner_band());
   widen(sections.corner_band());
   return band;
 }

@@ -4,12 +4,14 @@
 #include <vector>
 
 #include "approximate/approximate.hpp"
+#include "fit/cascade/cascade_fit.hpp"
 #include "fit/waveform/waveform_error.hpp"
 #include "project/project.hpp"
 
 namespace bodesmith::project {
 
-/// One set of integer sections that could be built for the target, and how well it meets it.
+/// One set of integer sections that could be built for the target, and how well it meets it. Without a plant there is one, of
+/// which sections and points_max_db are known (of a fractional transfer its largest error over the band).
 struct Alternative {
   std::string name;  ///< "cascade, minimax", "direct fit, 3 poles", "waveform fit, 2 poles"
   enum class Kind { cascade, direct, waveform } kind = Kind::cascade;
@@ -39,8 +41,12 @@ std::vector<Alternative> make_alternatives(const Project& project, const Cascade
 std::vector<std::size_t> rank_alternatives(const Project& project,
                                            const std::vector<Alternative>& alternatives);
 
-/// The frequencies at which the stages are compared: the target points and every corner of cascade and sections.
-Band design_band(const Project& project, const Cascade& cascade, const Sections& sections);
+/// Largest error at the target's points, dB. The base is left out: its gain is a consequence of the fit, not a condition.
+double max_error_at_points(const Project& project, const FrequencyResponse& response);
+
+/// The frequencies at which the stages are compared: the target points and every corner of cascade and sections; without a plant
+/// the target's own.
+Band design_band(const Project& project, const std::optional<CascadeFit>& fit, const Sections& sections);
 
 /// The path of the disturbance generator that the project's compensator stands in.
 DrivenPath compensated_path(const Project& project);

@@ -14,18 +14,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Largest error at the target points, dB. The base is left out: its gain is a consequence of the fit, not a
-/// condition.
-double max_error_at_points(const Project& project, const DesignStage& stage) {
-  double out = 0.0;
-  for (const BodePoint& point : project.target.points.points) {
-    if (point.frequency <= project.target.base) continue;
-    const double got = to_decibel(std::abs(stage.response(point.frequency.rad_s())));
-    out = std::max(out, std::abs(got - to_decibel(point.gain)));
-  }
-  return out;
-}
-
 /// Harmonics of one operating frequency are harmonics of others, too: each is worked out once.
 FrequencyResponse remembered(const FrequencyResponse& response) {
   const auto known = std::make_shared<std::unordered_map<double, Complex>>();
@@ -114,7 +102,7 @@ Budget make_budget(const Project& project, const Design& design) {
   };
   Budget budget;
   budget.band = design_band(project, design);
-  const std::vector<DesignStage> stages = design_stages(design);
+  const std::vector<DesignStage> stages = design_stages(project, design);
   for (const DesignStage& stage : stages) {
     stop_if_interrupted();
     BudgetRow row;
@@ -124,7 +112,7 @@ Budget make_budget(const Project& project, const Design& design) {
       row.against_previous =
           judge_responses(at_each(stage.response), at_each(stages[*stage.previous].response), budget.band);
     }
-    row.points_max_db = max_error_at_points(project, stage);
+    row.points_max_db = max_error_at_points(project, stage.response);
     row.waveform = waveform(remembered(stage.response));
     budget.rows.push_back(std::move(row));
   }
@@ -136,24 +124,35 @@ Budget make_budget(const Project& project, const Design& design) {
   return budget;
 }
 
-std::vector<Hertz> stages_grid(const Band& band) {
-  return log_grid({Hertz{band.from.value / 10.0}, Hertz{band.to.value * 10.0}}, 241);
+std::vector<Hertz> stages_grid(const Project& project, const Design& design) {
+  const Band band = design_band(project, design);
+  const double beyond = project.plant ? 10.0 : 2.0;
+  return log_grid({Hertz{band.from.value / beyond}, Hertz{band.to.value * beyond}}, 241);
 }
 
-std::vector<report::Plot> stages_plots(const Project& project, const Design& design, const Budget& budget) {
-  const std::vector<DesignStage> stages = design_stages(design);
-  report::BodePlot plot = stages_bode(stages, stages_grid(budget.band), &project.target.points);
-  // What lies far outside (the notches of a sampled chain) must not flatten the curves that matter.
-  const PlotRange db = range_of(plot.magnitude.series.front().y, {0.0, 0.0});
-  const double margin = 0.25 * std::max(0.5, db.high - db.low);
-  fix_axis(plot.magnitude.y, db.low - margin, db.high + margin);
-  const PlotRange degrees = range_of(plot.phase.series.front().y, {-5.0, 5.0});
-  fix_axis(plot.phase.y, 2.0 * degrees.low, 1.5 * degrees.high);
-  const DesignStage& first = stages.front();
-  return {plot.magnitude, plot.phase,
-          difference_plot(
-              plot.magnitude, "Difference from the " + first.name, budget.band,
-              [&first](Hertz f) { return to_decibel(std::abs(first.response(f.rad_s()))); }, first.name)};
+std::vector<report::Plot> stages_plots(const Project& project, const Design& design) {
+  const std::vector<DesignStage> stages = design_stages(project, design);
+  const Project::Target& target = project.target;
+  report::BodePlot plot =
+      stages_bode(stages, stages_grid(project, design), target.has_points() ? &target.points : nullptr);
+  if (project.plant) {
+    // What lies far outside (the notches of a sampled chain) must not flatten the curves that matter.
+    const PlotRange db = range_of(plot.magnitude.series.front().y, {0.0, 0.0});
+    const double margin = 0.25 * std::max(0.5, db.high - db.low);
+    fix_axis(plot.magnitude.y, db.low - margin, db.high + margin);
+    const PlotRange degrees = range_of(plot.phase.series.front().y, {-5.0, 5.0});
+    fix_axis(plot.phase.y, 2.0 * degrees.low, 1.5 * degrees.high);
+  }
+  // Of a fractional transfer, which is known everywhere; else of a stage.
+  const DesignStage& of = stages[project.plant || !design.fit ? 0 : 1];
+  const bool known = target.fractional.has_value();
+  const auto reference_db = [&](Hertz f) {
+    return to_decibel(std::abs(known ? target.fractional->response(f.rad_s()) : of.response(f.rad_s())));
+  };
+  return {
+      plot.magnitude, plot.phase,
+      difference_plot(plot.magnitude, known ? "Error against the target" : "Difference from the " + of.name,
+                      design_band(project, design), reference_db, known ? "" : of.name)};
 }
 
 std::vector<AlternativeStudy> study_alternatives(const Project& project, const Design& design,

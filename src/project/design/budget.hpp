@@ -28,10 +28,11 @@ struct Budget {
 };
 Budget make_budget(const Project& project, const Design& design);
 
-/// Frequencies for tables and plots of the stages: a decade beyond `band` on either side.
-std::vector<Hertz> stages_grid(const Band& band);
+/// Frequencies for tables and plots of the stages: a decade beyond the design's band on either side, an octave where nothing else
+/// than the target's band was asked for.
+std::vector<Hertz> stages_grid(const Project& project, const Design& design);
 /// The Bode plot of all stages with the target points, and beneath it how far they are apart.
-std::vector<report::Plot> stages_plots(const Project& project, const Design& design, const Budget& budget);
+std::vector<report::Plot> stages_plots(const Project& project, const Design& design);
 
 /// What an alternative becomes when it is built: for a reader who would choose another one than the run did.
 struct AlternativeStudy {

@@ -2,6 +2,7 @@
 
 #include "base/documents/json.hpp"
 #include "project/run.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -44,7 +45,7 @@ Json hardware_json(const Design& design) {
   return out;
 }
 
-Json alternatives_json(const ProjectRun& run) {
+Json alternatives_json(const Run& run) {
   const Design& design = run.design;
   Json out = Json::array();
   for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
@@ -77,38 +78,63 @@ Json ngspice_json(const std::optional<synthesis::CompensatorCheck>& check) {
           {"band_hz", {check->band.from.value, check->band.to.value}}};
 }
 
+void add_target(const Run& run, Json& out) {
+  const Project::Target& target = run.project.target;
+  out["target"] = target.file;
+  out["band_hz"] = {target.band.from.value, target.band.to.value};
+  out["how"] = run.design.how;
+}
+
+void add_plant(const Run& run, Json& out) {
+  out["alternatives"] = alternatives_json(run);
+  out["passed_over"] = run.design.passed_over;
+  out["budget"] = budget_json(run.budget);
+  out["waveform_without_rate_compensation"] = waveform_json(run.budget.uncompensated);
+  out["waveform_best_constant_gain"] = waveform_json(run.budget.constant);
+  out["best_constant_gain"] = run.budget.constant_gain;
+  out["ngspice"] = ngspice_json(run.ngspice);
+  out["tracking"] = to_json(run.tracking);
+}
+
 }  // namespace
 
-Json ProjectRun::json() const {
+Json Run::json() const {
   Json out;
   out["name"] = project.name;
+  if (!project.plant) add_target(*this, out);
+  for (const auto& [key, value] : figures()) out[key] = value;
+  out["poles"] = design.sections().pole_count();
+  if (!design.no_plan.empty()) out["no_plan"] = design.no_plan;
+  if (design.circuit) {
+    out["circuit"] = {{"realization", design.circuit->best.realisation},
+                      {"error", synthesis::to_json(design.circuit->best.judged)},
+                      {"shortfalls", design.circuit->best.shortfalls},
+                      {"passed_over", design.circuit->passed_over}};
+  }
   out["limits"] = to_json(limits);
-  out["alternatives"] = alternatives_json(*this);
-  out["passed_over"] = design.passed_over;
-  out["budget"] = budget_json(budget);
-  out["waveform_without_rate_compensation"] = waveform_json(budget.uncompensated);
-  out["waveform_best_constant_gain"] = waveform_json(budget.constant);
-  out["best_constant_gain"] = budget.constant_gain;
-  out["ngspice"] = ngspice_json(ngspice);
-  out["tracking"] = to_json(tracking);
+  if (project.plant) add_plant(*this, out);
   out["not_tried"] = not_tried;
   out["files"] = Json::array();
   for (const std::filesystem::path& path : files) out["files"].push_back(path.string());
-  out["timing_s"] = {{"compute", compute_s},
-                     {"design", design.compute_s},
-                     {"alternatives", design.alternatives_s},
-                     {"tracking", tracking.compute_s}};
+  Json& timing = out["timing_s"] = {{"compute", compute_s}, {"design", design.compute_s}};
+  if (project.plant) {
+    timing["alternatives"] = design.alternatives_s;
+    timing["tracking"] = tracking.compute_s;
+  }
   return out;
 }
 
-std::vector<std::pair<std::string, double>> ProjectRun::figures() const {
+std::vector<std::pair<std::string, double>> Run::figures() const {
   const Alternative& built = design.built();
   std::vector<std::pair<std::string, double>> out = {
-      {"poles", static_cast<double>(built.sections.pole_count())}, {"points_db", built.points_max_db}};
+      {"poles", static_cast<double>(built.sections.pole_count())}};
+  if (!project.target.sections)
+    out.emplace_back(project.plant ? "points_db" : "target_db", built.points_max_db);
   if (design.plan) out.emplace_back("fpaa_percent", design.plan->error_with_delays.max_complex_percent);
   if (design.circuit) out.emplace_back("circuit_db", design.circuit->best.judged.max_magnitude_db);
   if (const TrackedDesign* tracked = tracking.find(tracking.as_built))
     out.emplace_back("tracking_percent", tracked->worst_without_lag_percent());
+  if (design.yield) out.emplace_back("yield_db", design.yield->worst_db.quantile(0.95));
   return out;
 }
 

@@ -65,7 +65,7 @@ Block loop_of(const controller::AnalogController& controller, const Disturbance&
 }
 
 /// What each part does to `loop`, which is the block without departures; those that do nothing at rest are left out.
-std::vector<PartChange> part_changes(const ProjectRun& run, const Block& loop, Hertz operating) {
+std::vector<PartChange> part_changes(const Run& run, const Block& loop, Hertz operating) {
   const controller::AnalogController& controller = *run.design.controller;
   const auto causes = tolerance::causes_of(controller, run.project.controller.errors);
   std::vector<double> values(causes.size(), 0.0);
@@ -145,7 +145,7 @@ Hertz lowest_tracked(const Project& project) {
 
 chain::Chain stage_model(const Project& project, Hertz operating) {
   chain::Chain out;
-  const Project::Plant& plant = project.plant;
+  const Project::Plant& plant = *project.plant;
   if (plant.amplifier_corner) {
     out.blocks.push_back(
         called(make_block("lowpass").set("corner_hz", plant.amplifier_corner->value), "amplifier"));
@@ -166,8 +166,9 @@ chain::Chain stage_model(const Project& project, Hertz operating) {
   return out;
 }
 
-std::optional<chain::Chain> built_model(const ProjectRun& run, Hertz operating) {
+std::optional<chain::Chain> built_model(const Run& run) {
   if (!run.design.controller) return std::nullopt;
+  const Hertz operating = lowest_tracked(run.project);
   const controller::AnalogController& controller = *run.design.controller;
   Block loop =
       loop_of(controller, run.project.target.disturbance, operating, schematic::Deviations::none(controller));

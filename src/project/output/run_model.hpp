@@ -17,8 +17,8 @@ Hertz lowest_tracked(const Project& project);
 chain::Chain stage_model(const Project& project, Hertz operating);
 
 /// The whole chain as built, from the reference to the displacement: the analog controller as its parts make its polynomials
-/// and rate gains (a `loop`, with what each part does to it), then the stage. Nothing where no controller was built.
-std::optional<chain::Chain> built_model(const ProjectRun& run, Hertz operating);
+/// and rate gains at the lowest tracked frequency (a `loop`, with what each part does to it), then the stage. Nothing where no controller was built.
+std::optional<chain::Chain> built_model(const Run& run);
 
 /// The controller as its parts make it at rest, in closed form and without any dynamics ("controller_at_rest").
 std::unique_ptr<tracking::BuiltController> controller_at_rest(

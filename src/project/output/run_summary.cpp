@@ -6,26 +6,35 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "project/report/report_chapters.hpp"
 #include "project/tracking/engines.hpp"
 
 namespace bodesmith::project {
 namespace {
 
-std::string synthesis_text(const Design& design) {
-  std::string out;
-  if (design.fit.cascade.fit) {
-    out += fmt::format("cascade    {} terms, largest error at the points {:.1e} dB\n",
-                       design.fit.cascade.terms.size(), design.fit.cascade.fit->max_db);
+std::string target_text(const Run& run) {
+  const Project::Target& target = run.project.target;
+  return fmt::format("target     {}, {}\n           {}\n", target.file, span_text(target.band),
+                     run.design.how);
+}
+
+std::string sections_text(const Run& run) {
+  const Design& design = run.design;
+  const Alternative& built = design.built();
+  if (!run.project.plant) {
+    return fmt::format("sections   {} poles{}\n", built.sections.pole_count(),
+                       run.project.target.sections
+                           ? ""
+                           : fmt::format(", {} dB from the target", rounded_text(built.points_max_db, 3)));
   }
-  if (design.built().kind == Alternative::Kind::cascade) {
-    out += fmt::format("sections   {} poles, at most {} dB from the cascade at any frequency\n",
-                       design.approximation.sections.pole_count(),
-                       rounded_text(design.approximation.error.everywhere_db, 3));
-  } else {
-    out += fmt::format("sections   {}: {} dB at the points\n", design.built().name,
-                       rounded_text(design.built().points_max_db, 3));
-  }
-  return out;
+  return fmt::format("cascade    {} terms, largest error at the points {:.1e} dB\n",
+                     design.fit->cascade.terms.size(), design.fit->cascade.fit->max_db) +
+         (built.kind == Alternative::Kind::cascade
+              ? fmt::format("sections   {} poles, at most {} dB from the cascade at any frequency\n",
+                            built.sections.pole_count(),
+                            rounded_text(design.approximation->error.everywhere_db, 3))
+              : fmt::format("sections   {}: {} dB at the points\n", built.name,
+                            rounded_text(built.points_max_db, 3)));
 }
 
 std::string alternatives_text(const Design& design) {
@@ -44,31 +53,42 @@ std::string alternatives_text(const Design& design) {
   return out;
 }
 
-std::string hardware_text(const ProjectRun& run) {
+std::string hardware_text(const Run& run) {
+  const Design& design = run.design;
   std::string out;
-  if (run.design.plan) {
-    const fpaa::Plan& plan = *run.design.plan;
-    out += fmt::format("fpaa       {} CAMs, worst complex error {} % as the board runs ({} to {} Hz)\n",
-                       plan.cams().size(), rounded_text(plan.error_with_delays.max_complex_percent, 3),
-                       rounded_text(plan.error_with_delays.band.from.value),
-                       rounded_text(plan.error_with_delays.band.to.value));
+  if (design.plan) {
+    const fpaa::PlanError& runs = design.plan->error_with_delays;
+    out += fmt::format("fpaa       {} CAMs, {} % as the board runs\n", design.plan->cams().size(),
+                       rounded_text(runs.max_complex_percent, 3));
+  } else if (!design.no_plan.empty()) {
+    out += "fpaa       NOT made: " + design.no_plan + "\n";
   }
-  if (run.design.circuit) {
-    const synthesis::Realised& realised = run.design.realised();
-    out += fmt::format("circuit    {} stages, {} dB by its parts", realised.circuit.stages.size(),
-                       rounded_text(realised.report.parts.max_magnitude_db, 3));
-    out += run.ngspice ? fmt::format(", ngspice {} dB from the sections\n",
-                                     rounded_text(run.ngspice->against_sections.max_magnitude_db, 3))
-                       : std::string("; not simulated: ngspice is not installed\n");
+  if (design.circuit) {
+    const synthesis::Candidate& best = design.circuit->best;
+    out += fmt::format("circuit    {}, {} op-amps, {} dB with parts and op-amps", best.how,
+                       best.made.circuit.opamps.size(), rounded_text(best.judged.max_magnitude_db, 3));
+    if (run.ngspice)
+      out += fmt::format(", {} by ngspice", rounded_text(run.ngspice->against_sections.max_magnitude_db, 3));
+    else if (run.project.plant)
+      out += "; not simulated: ngspice is not installed";
+    out += "\n";
+    for (const std::string& shortfall : best.shortfalls) out += "           NOT met: " + shortfall + "\n";
   }
-  const generator::Layout& layout = run.design.layout;
-  out += fmt::format("layout     {} multipliers, d within {} % of range\n", layout.generator_multipliers(),
-                     rounded_text(layout.max_error_percent, 3));
+  if (design.yield) {
+    out += fmt::format("tolerances 95 of 100 circuits within {} dB ({} % resistors, {} % capacitors)\n",
+                       rounded_text(design.yield->worst_db.quantile(0.95), 3),
+                       rounded_text(run.project.spread.resistor_percent),
+                       rounded_text(run.project.spread.capacitor_percent));
+  }
+  if (design.layout)
+    out += fmt::format("layout     {} multipliers, d within {} % of range\n",
+                       design.layout->generator_multipliers(),
+                       rounded_text(design.layout->max_error_percent, 3));
   return out;
 }
 
 /// The first lines: what was tracked as built, and what stands beside it.
-std::string headline_text(const ProjectRun& run) {
+std::string headline_text(const Run& run) {
   const TrackingStudy& study = run.tracking;
   std::string out = fmt::format("{:<72}{:>9} {:>14}\n",
                                 fmt::format("tracked    worst rms error, % of range, {} {}",
@@ -134,23 +154,32 @@ bool Run::limits_met() const {
          std::all_of(limits.begin(), limits.end(), [](const LimitCheck& check) { return check.met(); });
 }
 
-std::vector<std::string> ProjectRun::shortfalls() const {
-  return design.circuit ? design.circuit->best.shortfalls : std::vector<std::string>();
+std::vector<std::string> Run::shortfalls() const {
+  std::vector<std::string> out;
+  if (design.circuit) out = design.circuit->best.shortfalls;
+  if (!design.no_plan.empty()) out.push_back(design.no_plan);
+  return out;
 }
 
-std::string ProjectRun::summary(const std::filesystem::path& folder) const {
-  std::string out = fmt::format("{}\nbuilt      {}\n", project.name, design.built().name) +
-                    headline_text(*this) + engines_text(tracking) + hardware_text(*this);
-  for (const std::string& shortfall : shortfalls()) out += "           NOT met: " + shortfall + "\n";
+std::string Run::summary(const std::filesystem::path& folder) const {
+  std::string out = project.name + "\n";
+  if (project.plant) {
+    out += "built      " + design.built().name + "\n" + headline_text(*this) + engines_text(tracking);
+  } else {
+    out += target_text(*this) + sections_text(*this);
+  }
+  out += hardware_text(*this);
   for (const std::string& one : not_tried) out += "not tried in the time given: " + one + "\n";
-  return out + limits_text(limits) +
+  out += limits_text(limits);
+  if (!project.plant) return out + fmt::format("look at    {}\n", (folder / "report.html").string());
+  return out +
          fmt::format(
              "look at    {} (everything as a page)\n           {} (alternatives, every frequency, {} notes)\n",
              (folder / "report.html").string(), (folder / "summary.txt").string(), tracking.findings.size());
 }
 
-std::string ProjectRun::tables() const {
-  return project.name + "\n" + headline_text(*this) + engines_text(tracking) + synthesis_text(design) +
+std::string Run::tables() const {
+  return project.name + "\n" + headline_text(*this) + engines_text(tracking) + sections_text(*this) +
          alternatives_text(design) + hardware_text(*this) + tracking_text(tracking) + limits_text(limits);
 }
 

@@ -45,10 +45,11 @@ report::Table budget_table(const Budget& budget) {
   return table;
 }
 
-void budget_chapter(report::Page& page, const ProjectRun& run) {
+void budget_chapter(report::Page& page, const Run& run) {
+  if (!run.project.plant) return;
   page.chapter("Error budget");
   page.plots(
-      stages_plots(run.project, run.design, run.budget),
+      stages_plots(run.project, run.design),
       "Every stage in one plot. The holds of the sampled FPAA chain shift the phase far more than anything "
       "else does; its magnitude stays.");
   page.table(

@@ -34,9 +34,10 @@ report::Table fit_points_table(const Cascade& cascade) {
 
 }  // namespace
 
-void fit_chapter(report::Page& page, const ProjectRun& run) {
+void fit_chapter(report::Page& page, const Run& run) {
+  if (!run.project.plant) return;
   page.chapter("Fit");
-  const CascadeFit& fit = run.design.fit;
+  const CascadeFit& fit = *run.design.fit;
   page.paragraph(fit.bounded ? fmt::format("Bounded least squares (eq. 19), {} <= beta <= {}.",
                                            rounded_text(fit.lower_bound), rounded_text(fit.upper_bound))
                              : "Interpolation of every point above the base (eq. 18).");
@@ -45,7 +46,7 @@ void fit_chapter(report::Page& page, const ProjectRun& run) {
       "the fit; the gain is exactly 1 only at 0 Hz.",
       rounded_text(fit.condition_number), fit.base_got_db));
   page.table(fit_terms_table(fit), "Terms ((lambda s + 1)/(x lambda s + 1))^beta");
-  if (fit.cascade.fit) page.table(fit_points_table(fit.cascade));
+  page.table(fit_points_table(fit.cascade));
   for (const std::string& warning : fit.warnings) page.warning(warning);
 }
 

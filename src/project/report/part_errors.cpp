@@ -43,7 +43,7 @@ std::string stability_sentence(const controller::LoopStability& loop) {
 
 }  // namespace
 
-void part_errors_chapter(report::Page& page, const ProjectRun& run) {
+void part_errors_chapter(report::Page& page, const Run& run) {
   if (!run.part_errors) return;
   const tolerance::ControllerReport& report = *run.part_errors;
   page.chapter("Errors of the controller's parts");

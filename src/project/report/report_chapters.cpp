@@ -80,9 +80,8 @@ report::Table cams_table(const fpaa::Plan& plan) {
   return table;
 }
 
-void add_sections_table(report::Page& page, const Sections& sections) {
-  page.table(sections_table(sections),
-             fmt::format("H(s) = {} times the product of these", rounded_text(sections.gain, 8)));
+std::string sections_caption(const Sections& sections) {
+  return fmt::format("H(s) = {} times the product of these", rounded_text(sections.gain, 8));
 }
 
 report::Plot trade_off_plot(const fpaa::Plan& plan) {
@@ -103,8 +102,9 @@ report::Plot trade_off_plot(const fpaa::Plan& plan) {
   return plot;
 }
 
-void add_board_chapter(report::Page& page, const std::optional<fpaa::Plan>& plan,
-                       const std::string& refused) {
+void board_chapter(report::Page& page, const Run& run) {
+  const std::optional<fpaa::Plan>& plan = run.design.plan;
+  const std::string& refused = run.design.no_plan;
   if (!plan && refused.empty()) return;
   page.chapter("FPAA");
   if (!plan) {
@@ -132,9 +132,9 @@ void add_board_chapter(report::Page& page, const std::optional<fpaa::Plan>& plan
   for (const std::string& assumption : plan->assumptions) page.warning("Assumed: " + assumption);
 }
 
-void add_circuit_chapter(report::Page& page, const std::optional<synthesis::BuildChoice>& choice,
-                         const std::optional<Project::Circuit>& asked,
-                         const std::optional<synthesis::CompensatorCheck>& ngspice) {
+void circuit_chapter(report::Page& page, const Run& run) {
+  const std::optional<synthesis::BuildChoice>& choice = run.design.circuit;
+  const std::optional<synthesis::CompensatorCheck>& ngspice = run.ngspice;
   if (!choice) return;
   const synthesis::Candidate& best = choice->best;
   page.chapter("Circuit");
@@ -142,9 +142,10 @@ void add_circuit_chapter(report::Page& page, const std::optional<synthesis::Buil
       "{}: {} stages, {} op-amps ({}), {} parts ({} resistors, {} capacitors). From {} parts and op-amps together are {} dB "
       "and {} degrees off; least phase margin of an op-amp {} degrees.",
       best.how, best.made.circuit.stages.size(), best.made.circuit.opamps.size(),
-      best.made.circuit.opamp.name, best.made.circuit.parts.size(), asked->resistors, asked->capacitors,
-      span_text(best.judged_band), rounded_text(best.judged.max_magnitude_db, 3),
-      rounded_text(best.judged.max_phase_deg, 3), rounded_text(best.opamps.min_phase_margin_deg, 3)));
+      best.made.circuit.opamp.name, best.made.circuit.parts.size(), run.project.circuit->resistors,
+      run.project.circuit->capacitors, span_text(best.judged_band),
+      rounded_text(best.judged.max_magnitude_db, 3), rounded_text(best.judged.max_phase_deg, 3),
+      rounded_text(best.opamps.min_phase_margin_deg, 3)));
   if (ngspice) {
     page.paragraph(fmt::format(
         "ngspice on the emitted netlist, {}: {} dB from the program's own network solution, {} dB and {} "
@@ -166,12 +167,13 @@ void add_circuit_chapter(report::Page& page, const std::optional<synthesis::Buil
       parts_table(best.made.circuit.parts),
       "Parts of a stage scale together: one may lie some percent from its exact value where the others make up for it");
   for (const std::string& warning : best.opamps.warnings) page.warning(warning);
+  if (run.project.plant && !ngspice) page.warning("ngspice is not installed: the netlist was not simulated.");
 }
 
-void add_inputs_chapter(report::Page& page, const Provenance& from) {
+void inputs_chapter(report::Page& page, const Run& run) {
   page.chapter("Inputs");
   report::Table table{{"input", "SHA-256"}, {}, {}};
-  for (const InputFile& file : from.inputs) table.rows.push_back({file.path, file.sha256});
+  for (const InputFile& file : run.from.inputs) table.rows.push_back({file.path, file.sha256});
   page.table(table);
 }
 

@@ -7,6 +7,6 @@
 namespace bodesmith::project {
 
 /// report.html of a run: target, fit, the error of each stage, Bode plots, tracking, hardware.
-std::string report_page(const ProjectRun& run);
+std::string report_page(const Run& run);
 
 }  // namespace bodesmith::project

@@ -26,8 +26,8 @@ report::Table alternatives_table(const Design& design) {
 }
 
 /// Every second point of the stages that can be told apart, so that seven alternatives stay a small part of the page.
-std::vector<report::Plot> response_plots(const ProjectRun& run, const AlternativeStudy& study) {
-  std::vector<report::Plot> out = stages_plots(run.project, study.design, study.budget);
+std::vector<report::Plot> response_plots(const Run& run, const AlternativeStudy& study) {
+  std::vector<report::Plot> out = stages_plots(run.project, study.design);
   for (report::Plot& plot : out) {
     std::erase_if(plot.series,
                   [](const report::Series& one) { return one.name == "fpaa" || one.name == "circuit"; });
@@ -47,7 +47,7 @@ std::vector<report::Plot> response_plots(const ProjectRun& run, const Alternativ
 }
 
 /// The alternative beside the one that is built.
-report::Plot tracked_plot(const ProjectRun& run, std::size_t index) {
+report::Plot tracked_plot(const Run& run, std::size_t index) {
   report::Plot out;
   out.title = "Tracking error, fed by its own drive, pure delay removed";
   out.x = {"frequency, Hz", true};
@@ -63,7 +63,7 @@ report::Plot tracked_plot(const ProjectRun& run, std::size_t index) {
   return out;
 }
 
-report::Table tracked_table(const ProjectRun& run, const Alternative& alternative) {
+report::Table tracked_table(const Run& run, const Alternative& alternative) {
   report::Table table{{"frequency, Hz", "tracking rms, %", "waveform rms, %"}, {}, {}};
   for (std::size_t i = 0; i < run.tracking.frequency.size(); ++i) {
     table.rows.push_back({rounded_text(run.tracking.frequency[i].value),
@@ -75,7 +75,7 @@ report::Table tracked_table(const ProjectRun& run, const Alternative& alternativ
   return table;
 }
 
-report::Choice choice_of(const ProjectRun& run, std::size_t index) {
+report::Choice choice_of(const Run& run, std::size_t index) {
   const Alternative& alternative = run.design.alternatives[index];
   const AlternativeStudy& study = run.alternatives[index];
   report::Choice out;
@@ -91,8 +91,7 @@ report::Choice choice_of(const ProjectRun& run, std::size_t index) {
   out.tables = {
       {budget_table(study.budget), "Error budget"},
       {tracked_table(run, alternative), "Tracking in percent of the range"},
-      {sections_table(alternative.sections), fmt::format("Sections: H(s) = {} times the product of these",
-                                                         rounded_text(alternative.sections.gain, 8))}};
+      {sections_table(alternative.sections), "Sections: " + sections_caption(alternative.sections)}};
   if (study.design.plan) {
     const fpaa::Plan& plan = *study.design.plan;
     out.figures.emplace_back(rounded_text(plan.error_with_delays.max_complex_percent, 3) + " %",
@@ -111,7 +110,7 @@ report::Choice choice_of(const ProjectRun& run, std::size_t index) {
 }
 
 /// The table of the alternatives; of the chosen one its response, error budget, tracking, sections and parts.
-void add_alternatives(report::Page& page, const ProjectRun& run) {
+void add_alternatives(report::Page& page, const Run& run) {
   std::vector<report::Choice> choices;
   for (std::size_t i = 0; i < run.alternatives.size(); ++i) choices.push_back(choice_of(run, i));
   page.choices(
@@ -137,21 +136,22 @@ report::Table approximated_terms_table(const CascadeApproximation& approximation
 
 }  // namespace
 
-void sections_chapter(report::Page& page, const ProjectRun& run) {
+void sections_chapter(report::Page& page, const Run& run) {
   page.chapter("Sections");
-  const CascadeApproximation& a = run.design.approximation;
-  page.paragraph(fmt::format(
-      "The cascade approximated by the method {}: {} poles in all. Largest error {} dB over all frequencies, {} dB "
-      "and {} degrees between {} and {} Hz.",
-      a.method, a.sections.pole_count(), rounded_text(a.error.everywhere_db, 3),
-      rounded_text(a.error.band_db, 3), rounded_text(a.error.band_deg, 3),
-      rounded_text(a.error.band.from.value), rounded_text(a.error.band.to.value)));
-  if (!a.limit_met()) page.warning("The error limit could not be met at the largest order.");
-  page.table(approximated_terms_table(a));
-  add_alternatives(page, run);
+  if (const auto& a = run.design.approximation) {
+    page.paragraph(fmt::format(
+        "The cascade approximated by the method {}: {} poles in all. Largest error {} dB over all frequencies, {} dB "
+        "and {} degrees between {} and {} Hz.",
+        a->method, a->sections.pole_count(), rounded_text(a->error.everywhere_db, 3),
+        rounded_text(a->error.band_db, 3), rounded_text(a->error.band_deg, 3),
+        rounded_text(a->error.band.from.value), rounded_text(a->error.band.to.value)));
+    if (!a->limit_met()) page.warning("The error limit could not be met at the largest order.");
+    page.table(approximated_terms_table(*a));
+  }
+  if (run.project.plant) add_alternatives(page, run);
   for (const std::string& reason : run.design.passed_over)
     page.paragraph("Passed over because it cannot be built: " + reason);
-  add_sections_table(page, run.design.sections());
+  page.table(sections_table(run.design.sections()), sections_caption(run.design.sections()));
 }
 
 }  // namespace bodesmith::project

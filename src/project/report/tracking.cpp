@@ -85,14 +85,16 @@ report::Table elsewhere_table(const TrackingStudy& study) {
 
 }  // namespace
 
-void tracking_chapter(report::Page& page, const ProjectRun& run) {
+void tracking_chapter(report::Page& page, const Run& run) {
+  if (!run.project.plant) return;
   page.chapter("Tracking");
   page.paragraph(fmt::format(
       "A {} of {} of the full stroke ({} um) through disturbance generator, compensator, amplifier and a stage that reads "
       "its drive, y = v + K(f) d(v), integrated by CVODE until it repeats; rms error in percent of the range (eq. 8), as "
       "in the paper's Table II. The largest difference from the harmonic computation is {} % of range.",
       to_string(run.tracking.waveform), rounded_text(run.tracking.amplitude),
-      rounded_text(run.project.plant.stroke_m * 1e6), rounded_text(run.tracking.max_cross_check_percent, 2)));
+      rounded_text(run.project.plant->stroke_m * 1e6),
+      rounded_text(run.tracking.max_cross_check_percent, 2)));
   page.table(tracking_table(run.tracking), "rms tracking error, % of range");
   if (!run.tracking.engines.empty()) {
     report::Table engines;

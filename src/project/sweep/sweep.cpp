@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/progress.hpp"
-#include "project/run_project.hpp"
+#include "project/run.hpp"
 #include "project/sweep/variants.hpp"
 
 namespace bodesmith::project {
@@ -49,10 +49,10 @@ void run_variant(const ProjectSource& source, const Variant& variant, const fs::
   SweptVariant outcome;
   Provenance from = source.from;
   try {
-    const std::unique_ptr<Run> run = run_project(source, folder);
-    from = run->from;
-    outcome.status = run->limits_met() ? Status::done : Status::limit_missed;
-    outcome.figures = run->figures();
+    const Run run = run_project(source, folder);
+    from = run.from;
+    outcome.status = run.limits_met() ? Status::done : Status::limit_missed;
+    outcome.figures = run.figures();
   } catch (const InputError& error) {
     // One design that cannot be made is a result of the sweep, not its end.
     outcome.status = Status::refused;
@@ -141,7 +141,8 @@ Sweep run_sweep(const fs::path& project, const fs::path& variants_file, const fs
   std::vector<ProjectSource> sources;
   for (const Variant& variant : variants) {
     sources.push_back(with_variant(source, variant));
-    check_project(sources.back());
+    Provenance aside;
+    sources.back().project(aside);  // what is wrong in it is said before hours of work
   }
   std::vector<std::uint64_t> kept = run_own(variants, sources, folder, options, team);
   team.sum(kept);  // the leader goes on when all are here

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "project/source.hpp"
+#include "project/project.hpp"
 
 namespace bodesmith::project {
 

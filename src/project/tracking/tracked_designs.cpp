@@ -24,10 +24,10 @@ constexpr const char* kFpaaCapacitors = "FPAA, capacitors only";
 /// In the time domain the ideal cascade needs integer states: an approximation far closer than anything built here.
 tracking::ResponseCompensator ideal_cascade(const Design& design) {
   tracking::ResponseCompensator ideal;
-  ideal.response = [&design](RadPerSecond w) { return design.fit.cascade.response(w); };
+  ideal.response = [&design](RadPerSecond w) { return design.fit->cascade.response(w); };
   ApproximationOptions closer;
   closer.max_error_db = 1e-5;
-  const CascadeApproximation reference = approximate_cascade(design.fit.cascade, closer);
+  const CascadeApproximation reference = approximate_cascade(design.fit->cascade, closer);
   ideal.approximation = reference.sections;
   return ideal;
 }
@@ -84,7 +84,7 @@ class Collector {
     return out_.back();
   }
   int generator_parts(GeneratorForm form) const {
-    return static_cast<int>(design_.layout.generator_multipliers()) * std::max(1, form.passes);
+    return static_cast<int>(design_.layout->generator_multipliers()) * std::max(1, form.passes);
   }
   void add_comparisons();
   void add_hardware();

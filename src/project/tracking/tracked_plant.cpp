@@ -9,19 +9,18 @@
 namespace bodesmith::project {
 
 tracking::Plant tracking_plant(const Project& project) {
+  const Project::Plant& given = *project.plant;
   tracking::Plant plant;
   plant.disturbance = project.target.disturbance;
-  plant.stroke = project.plant.stroke_m;
-  if (project.plant.amplifier_corner)
-    plant.drive_path = tracking::lowpass_path(*project.plant.amplifier_corner);
+  plant.stroke = given.stroke_m;
+  if (given.amplifier_corner) plant.drive_path = tracking::lowpass_path(*given.amplifier_corner);
   std::vector<Sections> stage;
-  if (project.plant.damping_compensator) {
+  if (given.damping_compensator) {
     Sections damping;
-    damping.sections = {*project.plant.damping_compensator};
+    damping.sections = {*given.damping_compensator};
     stage.push_back(damping);
   }
-  if (project.plant.resonance)
-    stage.push_back(tracking::resonance_path(*project.plant.resonance, project.plant.damping_ratio));
+  if (given.resonance) stage.push_back(tracking::resonance_path(*given.resonance, given.damping_ratio));
   if (!stage.empty()) plant.stage_path = tracking::in_series(stage);
   return plant;
 }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
-#include "project/design/design.hpp"
+#include "project/make_design.hpp"
 #include "temporary_folder.hpp"
 
 namespace bodesmith::project {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "project/make_design.hpp"
+
 namespace bodesmith::project {
 namespace {
 

@@ -46,6 +46,30 @@ std::vector<Complex> on_grid(const Loop& loop, const std::vector<Hertz>& grid) {
   return out;
 }
 
+/// The grid and what it steps over: between the neighbours of a point at which |L| is nearest to 1, or L to the negative real axis,
+/// the place where it has crossed, if it has; it comes back within these two steps.
+std::vector<Hertz> with_double_crossings(const Loop& loop, std::vector<Hertz> grid) {
+  const std::vector<Complex> values = on_grid(loop, grid);
+  std::vector<Hertz> found;
+  for (double (*value)(Complex) : {log_gain, sine_of}) {
+    for (std::size_t i = 1; i + 1 < grid.size(); ++i) {
+      const double here = value(values[i]);
+      const double sign = here < 0.0 ? -1.0 : 1.0;
+      const bool nearest =
+          sign * value(values[i - 1]) >= sign * here && sign * value(values[i + 1]) >= sign * here;
+      if (!nearest || here == 0.0 || (value == sine_of && values[i].real() > 0.0)) continue;
+      const auto side = [&](double log_f) { return sign * value(loop(Hertz{std::exp(log_f)})); };
+      const double at = minimum_between(std::log(grid[i - 1].value), std::log(grid[i + 1].value), 1e-9, side);
+      if (side(at) < 0.0) found.push_back(Hertz{std::exp(at)});
+    }
+  }
+  if (found.empty()) return grid;
+  grid.insert(grid.end(), found.begin(), found.end());
+  std::sort(grid.begin(), grid.end());
+  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  return grid;
+}
+
 std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& grid,
                                                       const std::vector<Complex>& values) {
   std::vector<LoopMargins::GainCrossing> out;
@@ -156,13 +180,15 @@ Loop interpolated_loop(std::vector<Hertz> grid, std::vector<Complex> values) {
   };
 }
 
-std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& grid) {
+std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& points) {
+  const std::vector<Hertz> grid = with_double_crossings(loop, points);
   return gain_crossings(loop, grid, on_grid(loop, grid));
 }
 
-LoopMargins loop_margins(const Loop& loop, const std::vector<Hertz>& grid) {
+LoopMargins loop_margins(const Loop& loop, const std::vector<Hertz>& points) {
   LoopMargins out;
-  if (grid.size() < 2) return out;
+  if (points.size() < 2) return out;
+  const std::vector<Hertz> grid = with_double_crossings(loop, points);
   const std::vector<Complex> values = on_grid(loop, grid);
   out.lowest = values.front();
   out.gain_crossings = gain_crossings(loop, grid, values);

@@ -45,8 +45,8 @@ using Loop = std::function<std::complex<double>(Hertz)>;
 /// A loop known at some frequencies: between them ln |L| and its phase go straight over ln f.
 Loop interpolated_loop(std::vector<Hertz> grid, std::vector<std::complex<double>> values);
 
-/// Crossings of |L| = 1 between neighbours of the rising grid, found to 1e-12 of their frequency; two within one step are
-/// missed.
+/// Crossings of |L| = 1 between neighbours of the rising grid, found to 1e-12 of their frequency; two within one step where the
+/// loop shows at the grid's points that it turns back there.
 std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& grid);
 
 /// `gain_crossings`, `phase_crossings`, `max_sensitivity`, `max_sensitivity_hz`.

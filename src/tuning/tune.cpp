@@ -40,6 +40,27 @@ void cross(const Complex& a, const Complex& b, Worst& worst) {
   }
 }
 
+/// Two crossings of the negative real axis between samples: L is nearest to it at the middle one of three, and the parabola through
+/// their angles from it comes as near as a degree, which is what such a parabola may be off by.
+void graze(const Complex& a, const Complex& b, const Complex& c, Worst& worst) {
+  if (!(b.real() < 0.0) || std::abs(b.imag()) > 0.3 * -b.real()) return;
+  const double sign = b.imag() < 0.0 ? 1.0 : -1.0;
+  const double before = sign * std::arg(-a);
+  const double here = sign * std::arg(-b);  // 0 … pi/2
+  const double after = sign * std::arg(-c);
+  if (!(before > here && after > here)) return;
+  const double slope = 0.5 * (after - before);
+  const double curvature = 0.5 * (before + after) - here;
+  const double square = slope * slope - 4.0 * curvature * (here - to_radians(1.0));
+  if (square < 0.0) return;
+  for (const double side : {-1.0, 1.0}) {
+    const double t = (-slope + side * std::sqrt(square)) / (2.0 * curvature);
+    const double ratio = t < 0.0 ? std::abs(a / b) : std::abs(c / b);
+    const double size = std::abs(b) * std::pow(ratio, std::abs(t));
+    worst.gain_margin_db = std::min(worst.gain_margin_db, std::abs(to_decibel(size)));
+  }
+}
+
 /// By how much arg(1 + L) grows from the first sample to the last: the ends' difference, and a turn for each time that the
 /// straight line between two samples crosses the real axis below -1, downwards.
 double turns_of(std::span<const Complex> loop) {
@@ -67,6 +88,7 @@ double shortfall(std::span<const Complex> loop, int integrators, const LoopLimit
   for (std::size_t i = 0; i < loop.size(); ++i) {
     worst.distance = std::min(worst.distance, std::abs(1.0 + loop[i]));
     if (i > 0) cross(loop[i - 1], loop[i], worst);
+    if (i > 1) graze(loop[i - 2], loop[i - 1], loop[i], worst);
   }
   const auto missing = [](double wanted, double got) { return std::max(0.0, (wanted - got) / wanted); };
   double out = missing(limits.phase_margin_deg, worst.phase_margin_deg) +

@@ -98,6 +98,27 @@ TEST(LoopMargins, SeveralCrossingsAreAllFound) {
   EXPECT_NEAR(*m.gain_margin_db(), -20.0, 1e-9);
 }
 
+// Over x = ln f: |L| = exp(.01 - x^2) is 1 twice about f = 1, the phase (x - ln 20)^2 - .02 - pi is -pi twice about f = 20.
+TEST(LoopMargins, TwoCrossingsWithinAStepOfTheGridAreFound) {
+  const Loop loop = [](Hertz f) {
+    const double x = std::log(f.value), far = x - std::log(20.0);
+    return std::polar(std::exp(0.01 - x * x), far * far - 0.02 - std::numbers::pi);
+  };
+  const LoopMargins m = loop_margins(loop, log_grid({Hertz{0.013}, Hertz{150.0}}, 14));
+  ASSERT_EQ(m.gain_crossings.size(), 2u);
+  EXPECT_NEAR(m.gain_crossings[0].frequency.value, std::exp(-0.1), 1e-10);
+  EXPECT_NEAR(m.gain_crossings[1].frequency.value, std::exp(0.1), 1e-10);
+  EXPECT_EQ(gain_crossings(loop, log_grid({Hertz{0.013}, Hertz{150.0}}, 14)).size(), 2u);
+  std::vector<double> at_20;
+  for (const auto& c : m.phase_crossings) {
+    if (std::abs(std::log(c.frequency.value / 20.0)) < 0.5)
+      at_20.push_back(std::log(c.frequency.value / 20.0));
+  }
+  ASSERT_EQ(at_20.size(), 2u);
+  EXPECT_NEAR(at_20[0], -std::sqrt(0.02), 1e-10);
+  EXPECT_NEAR(at_20[1], std::sqrt(0.02), 1e-10);
+}
+
 TEST(LoopMargins, StabilityIsThatOfTheRouthCriterion) {
   EXPECT_EQ(closed_loop_is_stable(three_lags(7.9)), true);  // 8 is the limit
   EXPECT_EQ(closed_loop_is_stable(three_lags(8.1)), false);

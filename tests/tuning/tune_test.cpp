@@ -138,6 +138,26 @@ TEST_F(Tune, TenDrawnPlantsWithDelayKeepWhatWasAsked) {
   }
 }
 
+// Its phase comes back from -180 degrees within a step of the search's grid.
+TEST_F(Tune, APhaseThatTouchesTheAxisTwiceIsSeen) {
+  const std::string plant =
+      R"({"schema": "bodesmith.sections/1", "gain": 0.10956, "delay_s": 1.327e-05, "sections": [
+    {"gain": 28985.05, "zeros_rad_s": [], "poles_rad_s": [[-40.0645, 165.4687], [-40.0645, -165.4687]]},
+    {"gain": 170909.45, "zeros_rad_s": [], "poles_rad_s": [[-25.65466, 412.6152], [-25.65466, -412.6152]]}]})";
+  TuneOptions options;
+  options.limits = {38.255, 11.705, std::nullopt};
+  const TunedLoop made = tune(family(plant), kind(0), options);
+  EXPECT_TRUE(made.met());
+  const Scanned seen = scan([&](double f) {
+    const Complex s(0.0, kTwoPi * f);
+    const auto pair = [&](double real, double imag) { return (s + real) * (s + real) + imag * imag; };
+    return pid(made.controller, s) * 0.10956 * std::exp(-1.327e-5 * s) * 28985.05 / pair(40.0645, 165.4687) *
+           170909.45 / pair(25.65466, 412.6152);
+  });
+  EXPECT_GT(seen.gain_margin_db, 11.6);
+  EXPECT_NEAR(std::abs(*least_margins(made.members).gain_margin_db), seen.gain_margin_db, 0.02);
+}
+
 TEST_F(Tune, WhatTheFitDoesNotKnowIsKeptClearOf) {
   const DrawnPlant plant;
   const std::string fit =

@@ -11,7 +11,6 @@
 #include "functions.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/opamp_library.hpp"
-#include "schematic/writers/kicad/schematic.hpp"
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/generator/budget.hpp"
@@ -141,28 +140,17 @@ Answer lay_out(const Call& call) {
   const generator::Timing timing =
       generator::make_timing(layout, {options.lowest, Hertz{100}, options.highest});
   const double seconds = watch.seconds();
-  Json body = to_json(layout);
-  body["budget"] = to_json(budget);
-  if (layout.switched()) {
-    body["timing"] = to_json(timing);
-    body["budget"]["transient"] = generator::transient_budget_json(timing);
-  }
+  Json body = to_json(layout, budget, timing);
   if (o.boolean_or("check", false))
     body["ngspice"] = to_json(generator::check_disturbance(layout, {Hertz{100}, options.highest}));
   Answer out;
   out.result = document("layout", body, seconds);
   out.warnings = layout.warnings;
-  const std::string title = "disturbance generator";
-  out.files["disturbance.sub"] = generator::disturbance_library(layout, title);
-  if (layout.amplitude)
-    out.files["disturbance_amplitude.sub"] =
-        generator::disturbance_library(layout, title, {true, std::nullopt});
-  out.files["parts.csv"] = generator::parts_csv(layout);
-  out.files["layout.svg"] = kicad::netlist_svg(layout.whole(), {.stem = "layout",
-                                                                .title = "Disturbance generator",
-                                                                .comment = "",
-                                                                .ports = layout.ports(),
-                                                                .tolerances = {}});
+  OutputSet files;
+  generator::add_layout_files(layout, "disturbance generator", body, files);
+  for (const auto& path : files.paths()) {
+    if (path != "layout.json") out.files[path.string()] = *files.content(path);
+  }
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include "schematic/opamp_library.hpp"
 #include "seed_sections.hpp"
 #include "synthesis/opamp_check.hpp"
+#include "synthesis/realise.hpp"
 #include "temporary_folder.hpp"
 
 namespace bodesmith::synthesis {

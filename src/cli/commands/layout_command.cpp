@@ -6,11 +6,9 @@
 #include "base/files.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "base/version.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/shared_options.hpp"
-#include "schematic/writers/kicad/schematic.hpp"
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/files.hpp"
 #include "synthesis/generator/layout.hpp"
@@ -99,12 +97,8 @@ std::string layout_summary(const generator::Layout& layout, const generator::Bud
       percent(*std::max_element(budget.rss_percent.begin(), budget.rss_percent.end())),
       budget.lines[0].cause);
   if (layout.amplitude) {
-    text += fmt::format(
-        "amplitude gains: {} rectifiers, {} multipliers, {} of range from the table; {} rms with offsets and "
-        "tolerances\n",
-        layout.amplitude->rectifiers.size(), layout.amplitude->multipliers.size(),
-        percent(layout.amplitude->max_error_percent),
-        percent(*std::max_element(budget.amplitude_rss_percent.begin(), budget.amplitude_rss_percent.end())));
+    text += fmt::format("amplitude gains: {} multipliers, {} of range from the table\n",
+                        layout.amplitude->multipliers.size(), percent(layout.amplitude->max_error_percent));
   }
   return text;
 }
@@ -138,44 +132,17 @@ std::string layout_check_text(const generator::DisturbanceCheck& check) {
       "ngspice: {} of range from the polynomials at rest ({} with the multipliers' limits, predicted {})",
       percent(check.static_percent), percent(check.limit_percent), percent(check.limit_predicted_percent));
   for (const generator::DisturbanceCheck::Dynamic& one : check.dynamic) {
-    text += fmt::format(", {} rms at {} Hz ({} with limits, detector {}s late)", percent(one.rms_percent),
-                        rounded_text(one.frequency.value), percent(one.rms_at_limit_percent),
-                        engineering_text(one.delay_s, ""));
+    text += fmt::format(", {} rms at {} Hz{} ({} with limits, detector {}s late)", percent(one.rms_percent),
+                        rounded_text(one.frequency.value),
+                        one.alpha == 1.0 ? "" : " and alpha " + rounded_text(one.alpha),
+                        percent(one.rms_at_limit_percent), engineering_text(one.delay_s, ""));
   }
   if (check.change) {
     text += fmt::format("; a change of branch takes {}s, glitch {} (predicted {})",
                         engineering_text(check.change->delay_s, ""), percent(check.change->glitch_percent),
                         percent(check.change->predicted_percent));
   }
-  if (check.amplitude) {
-    text += fmt::format("; amplitude gains {} at rest, {} rms at {} Hz and alpha {}",
-                        percent(check.amplitude->static_percent), percent(check.amplitude->rms_percent),
-                        rounded_text(check.amplitude->frequency.value), rounded_text(check.amplitude->alpha));
-  }
   return text + "\n";
-}
-
-void write_layout(const CommandLine& line, const generator::Layout& layout, const Json& json) {
-  const std::string title = fmt::format("disturbance generator from {}", line.files()[0]);
-  OutputSet out(line.output_path());
-  out.add("layout.json", to_text(json));
-  out.add("disturbance.sub", generator::disturbance_library(layout, title));
-  if (layout.amplitude)
-    out.add("disturbance_amplitude.sub", generator::disturbance_library(layout, title, {true, std::nullopt}));
-  out.add("parts.csv", generator::parts_csv(layout));
-  const kicad::SheetOptions sheet{
-      .stem = "layout",
-      .title = title,
-      .comment = fmt::format("bodesmith {}; op-amps {}", kVersion, layout.opamp.name),
-      .ports = layout.ports(),
-      .tolerances = {}};
-  // The pins of an 8-way switch are not known.
-  if (layout.contacts.size() <= 2) {
-    kicad::add_netlist_project(layout.whole(), sheet, out, "");
-  } else {
-    out.add("layout.svg", kicad::netlist_svg(layout.whole(), sheet));
-  }
-  out.commit();
 }
 
 }  // namespace
@@ -199,12 +166,7 @@ int run_layout(const std::vector<std::string>& arguments) {
   const double compute_s = watch.seconds();
   for (const std::string& warning : layout.warnings) note(warning);
 
-  Json json = to_json(layout);
-  json["budget"] = to_json(budget);
-  if (layout.switched()) {
-    json["timing"] = to_json(timing);
-    json["budget"]["transient"] = generator::transient_budget_json(timing);
-  }
+  Json json = to_json(layout, budget, timing);
   json = timed_document("layout", from, json, compute_s);
   std::string text = layout_summary(layout, budget) + timing_summary(layout, timing);
   if (line.has("check")) {
@@ -218,7 +180,10 @@ int run_layout(const std::vector<std::string>& arguments) {
     text += limit_not_met(*limit, "%");
     json["limit_missed"] = true;
   }
-  write_layout(line, layout, json);
+  OutputSet out(line.output_path());
+  generator::add_layout_files(layout, fmt::format("disturbance generator from {}", line.files()[0]), json,
+                              out);
+  out.commit();
   return print_summary(line, text, json, met);
 }
 

@@ -5,7 +5,6 @@
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
 #include "project/output/run_model.hpp"
-#include "schematic/writers/kicad/schematic.hpp"
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/controller/files.hpp"
 #include "synthesis/decks/compensator_files.hpp"
@@ -66,16 +65,8 @@ std::string yield_file(const Run& run) {
 void add_layout(const Run& run, OutputSet& out) {
   const generator::Layout& layout = *run.design.layout;
   out.add("layout/layout.json", json_file("layout", run, to_json(layout)));
-  out.add("layout/disturbance.sub", generator::disturbance_library(layout, run.project.name));
-  if (layout.amplitude) {
-    out.add("layout/disturbance_amplitude.sub",
-            generator::disturbance_library(layout, run.project.name, {true, std::nullopt}));
-  }
-  out.add("layout/disturbance.svg", kicad::netlist_svg(layout.whole(), {.stem = "layout",
-                                                                        .title = "Disturbance generator",
-                                                                        .comment = "",
-                                                                        .ports = layout.ports(),
-                                                                        .tolerances = {}}));
+  generator::add_libraries(layout, run.project.name, out, "layout");
+  out.add("layout/disturbance.svg", generator::layout_svg(layout));
 }
 
 void add_controller(const Run& run, OutputSet& out) {

@@ -3,8 +3,7 @@
 #include "base/text.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
-#include "schematic/writers/kicad/schematic.hpp"
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/files.hpp"
 
 namespace bodesmith::project {
 
@@ -17,12 +16,7 @@ void layout_chapter(report::Page& page, const Run& run) {
       "of the reference selects the branch. Largest error of d from the preferred resistor values: {} % of range.",
       layout.generator_multipliers(), layout.multiplier.name, layout.branches.size(),
       rounded_text(layout.max_error_percent, 3)));
-  page.figure(kicad::netlist_svg(layout.whole(), {.stem = "layout",
-                                                  .title = "Disturbance generator",
-                                                  .comment = "",
-                                                  .ports = layout.ports(),
-                                                  .tolerances = {}}),
-              "Powers, weighted sums, branch switch.");
+  page.figure(generator::layout_svg(layout), "Powers, weighted sums, branch switch.");
   for (const std::string& warning : layout.warnings) page.warning(warning);
 }
 

@@ -134,8 +134,8 @@ void AtRest::set_stroke(double alpha) {
   alpha_ = alpha;
   double inverted = -1.0;
   if (c.stroke) {
-    const double ratio = off_.value(c, c.stroke->invert_feedback) / off_.value(c, c.stroke->invert_input);
-    inverted = -ratio * stroke_v(c, alpha, off_) + (1.0 + ratio) * off_.offset(c.stroke->invert_opamp);
+    const double ratio = off_.value(c, c.stroke->inverter.feedback) / off_.value(c, c.stroke->inverter.input);
+    inverted = -ratio * stroke_v(c, alpha, off_) + (1.0 + ratio) * off_.offset(c.stroke->inverter.opamp);
     const Quotient argument = quotient_of(c, c.passes.back().from, alpha, off_);
     argument_gain_ = argument.gain;
     argument_offset_ = argument.offset;

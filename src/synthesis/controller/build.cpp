@@ -20,14 +20,6 @@ constexpr double kBelow = 0.98;
 
 }  // namespace
 
-std::string branch_name(int b) {
-  return std::string(to_string(kBranches[b]));
-}
-
-std::string branch_letter(int b) {
-  return b == 0 ? "a" : "d";
-}
-
 Options::Options()
     : opamp(schematic::OpAmpLibrary::built_in().named("OPA2140")),
       fast_opamp(schematic::OpAmpLibrary::built_in().named("AD8066")) {}
@@ -53,7 +45,7 @@ double AnalogController::amplitude_gain(Disturbance::Branch which, double alpha)
 }
 
 Builder::Builder(const Disturbance& disturbance, const Options& options)
-    : NetlistMaker(out_, options_.resistors, options_.capacitors),
+    : GeneratorMaker(out_, options_.resistors, options_.capacitors, {"ascending", "descending"}),
       disturbance_(disturbance),
       options_(options) {
   out_.form = options.form;
@@ -73,36 +65,28 @@ Builder::Builder(const Disturbance& disturbance, const Options& options)
 }
 
 /// Greatest or least rate gain of a branch; 1 without them.
-double Builder::gain_limit(int b, bool greatest) const {
+double Builder::gain_limit(std::size_t b, bool greatest) const {
   const std::vector<double>& k = disturbance_.rate.of(kBranches[b]);
   if (!options_.rates || k.empty()) return 1.0;
   return greatest ? *std::max_element(k.begin(), k.end()) : *std::min_element(k.begin(), k.end());
 }
 
 void Builder::check_gains() {
-  const auto check = [&](int b, const char* what, double least, double most, BranchGain& gain,
-                         double& greatest) {
-    if (!(least > 0.0)) {
-      throw DesignError(fmt::format("{} {} gain of the {} branch is {}, expected above 0",
-                                    *what == 'a' ? "an" : "a", what, branch_name(b), rounded_text(least)));
-    }
-    greatest = most;
-    gain.at_rest = 0.5 * (least + most);
-    const double control = out_.multiplier.scale_v * (most - least) / (most + least);
-    if (control > out_.multiplier.greatest_input_v) {
-      throw DesignError(fmt::format(
-          "the {} gains of the {} branch lie between {} and {}: the control voltage would reach {} V, expected at "
-          "most the {}'s {} V",
-          what, branch_name(b), rounded_text(least), rounded_text(most), rounded_text(control),
-          out_.multiplier.name, rounded_text(out_.multiplier.greatest_input_v)));
-    }
+  const auto check = [&](std::size_t b, const char* what, double least, double most, BranchGain& gain) {
+    gain = BranchGain::between(least, most, out_.multiplier);
+    if (gain.direct == 1.0) return most;
+    throw DesignError(fmt::format(
+        "the {} gains of the {} branch lie between {} and {}, expected above 0 and so near to each other that the {}'s {} "
+        "V are enough to change them",
+        what, name(b), rounded_text(least), rounded_text(most), out_.multiplier.name,
+        rounded_text(out_.multiplier.greatest_input_v)));
   };
-  for (const int b : {0, 1}) {
-    check(b, "rate", gain_limit(b, false), gain_limit(b, true), out_.rate[b], greatest_gain_[b]);
+  for (std::size_t b = 0; b < 2; ++b) {
+    greatest_gain_[b] = check(b, "rate", gain_limit(b, false), gain_limit(b, true), out_.rate[b]);
     if (!out_.stroke) continue;
     const std::vector<double> gains = stroke_gains(b);
     const auto [least, most] = std::minmax_element(gains.begin(), gains.end());
-    check(b, "amplitude", *least, *most, out_.amplitude[b], greatest_amplitude_[b]);
+    greatest_amplitude_[b] = check(b, "amplitude", *least, *most, out_.amplitude[b]);
   }
 }
 
@@ -111,7 +95,7 @@ void Builder::check_gains() {
 void Builder::check_polynomials() {
   LoopFigures& loop = out_.loop;
   loop.least_slope = 1.0;
-  for (const int b : {0, 1}) {
+  for (std::size_t b = 0; b < 2; ++b) {
     for (const double alpha : strokes()) {
       for (const bool greatest : {false, true}) {
         const double k = gain_limit(b, greatest) * out_.amplitude_gain(kBranches[b], alpha) / alpha;
@@ -121,7 +105,7 @@ void Builder::check_polynomials() {
           if (!(std::abs(gain) < 1.0)) {
             throw DesignError(fmt::format(
                 "|K d'| of the {} branch is {} at v = {}{}, expected below 1: v = r - K d(v) cannot converge",
-                branch_name(b), rounded_text(std::abs(gain)), rounded_text(alpha * w, 3),
+                name(b), rounded_text(std::abs(gain)), rounded_text(alpha * w, 3),
                 out_.stroke ? fmt::format(" of a stroke of {}", rounded_text(alpha, 3)) : ""));
           }
           loop.greatest_gain = std::max(loop.greatest_gain, std::abs(gain));
@@ -140,45 +124,11 @@ void Builder::check_polynomials() {
   }
 }
 
-/// In the order of the netlist.
-void Builder::declare_groups() {
-  const auto add = [&](std::string title, Purpose purpose) { add_group(std::move(title), purpose); };
-  add("", Purpose::rate_curve);  // references
-  add("slope's sign", Purpose::slope_sign);
-  add("slope", Purpose::slope_meter);
-  add("rate curve", Purpose::rate_curve);
-  for (const int b : {0, 1}) add("rate gain, " + branch_name(b), Purpose::rate_gain);
-  if (out_.stroke) {
-    add("stroke", Purpose::stroke);
-    add("division by the stroke", Purpose::division);
-    add("amplitude curve", Purpose::amplitude);
-    for (const int b : {0, 1}) add("amplitude gain, " + branch_name(b), Purpose::amplitude);
-  }
-  const std::vector<std::string> tails =
-      out_.form == Form::two_pass ? std::vector<std::string>{"", "_2"} : std::vector<std::string>{""};
-  for (const std::string& tail : tails) {
-    add("subtraction" + tail, Purpose::output);
-    for (const int b : {0, 1}) add(branch_name(b) + tail, Purpose::branch);
-  }
-  for (const std::string& tail : tails) add("powers" + tail, Purpose::powers);
-  for (const std::string& tail : tails) add("switch" + tail, Purpose::branch_switch);
-  add("levels of the switch's control", Purpose::branch_switch);
-  out_.comparators = {{out_.groups.size() - 1, "so", "up"}};
-  out_.gates = {{out_.groups.size() - 1, "down", {}, {"up"}}};
-}
-
-void Builder::enter(const std::string& title) {
-  const auto at = std::find_if(out_.groups.begin(), out_.groups.end(),
-                               [&](const schematic::Group& one) { return one.title == title; });
-  group = static_cast<std::size_t>(at - out_.groups.begin());
-}
-
 AnalogController Builder::build() {
-  declare_groups();
   check_gains();
   check_polynomials();
   scale_branches();
-  detector();
+  slope_sign("r", out_.stroke ? out_.stroke->least : options_.reference_stroke, options_.lowest);
   if (out_.stroke) stroke_hold();
   rate_gains();
   if (out_.stroke) amplitude_gains();
@@ -194,19 +144,12 @@ AnalogController Builder::build() {
       pass("v", "v", 1);
       break;
   }
+  const std::size_t levels = add_group("levels of the switch's control", Purpose::branch_switch);
+  out_.comparators = {{levels, "so", "up"}};
+  out_.gates = {{levels, "down", {}, {"up"}}};
+  generator::arrange(out_);
   out_.max_error_percent = generator_error_percent(out_);
   return std::move(out_);
-}
-
-int Builder::multiplier(const std::string& name, const std::string& role, const std::string& x,
-                        const std::string& y, const std::string& z, const std::string& to, double peak_v) {
-  if (peak_v > out_.multiplier.greatest_output_v) {
-    throw DesignError(fmt::format("{} ({}) reaches {} V, expected at most the {}'s {} V", name, role,
-                                  rounded_text(peak_v), out_.multiplier.name,
-                                  rounded_text(out_.multiplier.greatest_output_v)));
-  }
-  out_.multipliers.push_back({name, role, group, x, y, z, to, peak_v});
-  return static_cast<int>(out_.multipliers.size()) - 1;
 }
 
 AnalogController make_controller(const Disturbance& disturbance, const Options& options) {

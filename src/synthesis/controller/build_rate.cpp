@@ -49,7 +49,7 @@ RateCurve make_rate_curve(const Disturbance& disturbance, const double peak[2],
   for (std::size_t i = 1; i < table.size(); ++i) {
     const double low = table[i - 1].value, high = table[i].value;
     double rise = 0.0;  // percent of range for one unit of ln f
-    for (const int b : {0, 1}) {
+    for (std::size_t b = 0; b < 2; ++b) {
       const std::vector<double>& k = disturbance.rate.of(kBranches[b]);
       rise = std::max(rise, 100.0 * peak[b] * std::abs(k[i] - k[i - 1]) / std::log(high / low));
     }
@@ -60,7 +60,7 @@ RateCurve make_rate_curve(const Disturbance& disturbance, const double peak[2],
     add_inside(low, high, pieces, tracked, out.corner);
     out.corner.push_back(table[i]);
   }
-  for (const int b : {0, 1}) {
+  for (std::size_t b = 0; b < 2; ++b) {
     const auto which = kBranches[b];
     for (const Hertz f : out.corner) out.gain[b].push_back(disturbance.rate_gain(which, f));
     for (std::size_t i = 1; i < out.corner.size(); ++i) {
@@ -94,33 +94,10 @@ double RateCurve::value(Disturbance::Branch which, Hertz frequency) const {
   return k.back();
 }
 
-/// Differentiator with a logarithmic limit (two diodes across Rd) and a comparator with hysteresis, as in
-/// multiplier_layout. How late the sign is: sqrt(dV/(2 pi GBW ds)), dV the diodes' voltage and ds the slope, at
-/// least; hence the faster op-amp, and ten times that detector's current against the junctions' charge.
-void Builder::detector() {
-  enter("slope's sign");
-  const double rd = 470e3;
-  // The slowest triangle makes 100 mV at Rd.
-  const double stroke = out_.stroke ? out_.stroke->least : options_.reference_stroke;
-  const double cd =
-      options_.capacitors.nearest(std::clamp(0.1 / (2.0 * options_.lowest.value * stroke * rd), 1e-9, 1e-6));
-  resistor("Rs", "slope's sign, damping", "r", "sa", 0.33e-6 / cd);
-  capacitor("Cd", "slope's sign, differentiates", "sa", "sb", cd);
-  resistor("Rd", "slope's sign, gain for slow signals", "sb", "sc", rd);
-  capacitor("Cf", "slope's sign, damping", "sb", "sc", 3.3e-4 * cd);
-  diode("D1", "slope's sign, limit", "sb", "sc");
-  diode("D2", "slope's sign, limit", "sc", "sb");
-  resistor("Rh1", "slope's sign, hysteresis", "sp", "0", 1e3);
-  resistor("Rh2", "slope's sign, hysteresis", "so", "sp", out_.fast_opamp.swing_v / 0.02 * 1e3);
-  opamp("slope's sign, differentiator", "0", "sb", "sc");
-  opamp("slope's sign, comparator", "sp", "sc", "so");
-  for (schematic::OpAmp& one : out_.opamps) one.fast = true;
-}
-
 /// w = -Rd Cd dr/dt, then -|w| with a first-order smoothing: sn.
 void Builder::slope_meter() {
   const std::string r = over_stroke("r");
-  enter("slope");
+  enter("slope", Purpose::slope_meter);
   AnalogController::SlopeMeter m;
   const double last = disturbance_.rate.frequency.back().value,
                first = disturbance_.rate.frequency.front().value;
@@ -163,17 +140,14 @@ void Builder::rate_gains() {
     return;
   slope_meter();
   double peak[2];
-  for (const int b : {0, 1}) peak[b] = peak_of(b) * greatest_amplitude_[b];
+  for (std::size_t b = 0; b < 2; ++b) peak[b] = peak_of(b) * greatest_amplitude_[b];
   out_.curve = make_rate_curve(disturbance_, peak, options_.tracked, options_.rate_tolerance_percent);
-  GainCurve curve{.node = "sn", .rectifiers = "k", .control = "c", .inverted = "n", .group = "rate"};
+  generator::GainCurve curve = generator::GainCurve::over_rate();
   for (const Hertz f : out_.curve->corner) {
     curve.corner_v.push_back(f.value * out_.slope->volts_per_hz);
     curve.corner_text.push_back(fmt::format("corner at {} Hz", rounded_text(f.value)));
   }
-  for (const int b : {0, 1}) {
-    curve.gain[b] = out_.curve->gain[b];
-    curve.varies[b] = gain_limit(b, true) != gain_limit(b, false);
-  }
+  curve.gain = {out_.curve->gain[0], out_.curve->gain[1]};
   build_curve(curve, out_.rate);
 }
 

@@ -29,7 +29,7 @@ std::vector<double> Builder::strokes() const {
 }
 
 /// Of branch b, at strokes().
-std::vector<double> Builder::stroke_gains(int b) const {
+std::vector<double> Builder::stroke_gains(std::size_t b) const {
   std::vector<double> out;
   for (const double alpha : strokes()) out.push_back(disturbance_.amplitude.at(kBranches[b], alpha));
   return out;
@@ -39,7 +39,7 @@ std::vector<double> Builder::stroke_gains(int b) const {
 /// No time constant stands between a hold that droops and a stroke that is forgotten late: a new stroke counts from its first
 /// peak on. The greatest of what is held, r (a stroke that grows) and the least stroke is alpha.
 void Builder::stroke_hold() {
-  enter("stroke");
+  enter("stroke", Purpose::stroke);
   reference();
   double fastest = disturbance_.rate.frequency.empty() ? 100.0 : disturbance_.rate.frequency.back().value;
   for (const Hertz f : options_.tracked) fastest = std::max(fastest, f.value);
@@ -55,7 +55,7 @@ void Builder::stroke_hold() {
   out_.stroke->charge_v = contact.charge_c / farad;
   // v = r - K g(alpha) d(v/alpha) for an alpha that is too small.
   constexpr double kLess = 1.0 - 1e-3;
-  for (const int b : {0, 1}) {
+  for (std::size_t b = 0; b < 2; ++b) {
     for (const double alpha : strokes()) {
       const auto subtracted = [&](double held, double w) {
         return gain_limit(b, true) * disturbance_.amplitude.at(kBranches[b], held) *
@@ -76,11 +76,11 @@ void Builder::stroke_hold() {
   out_.contacts.push_back({"Sp2", group, "hb", "h2", "down", 1});
   capacitor("Cp2", "stroke, last peak", "h2", "0", farad);
   const double lower = 1e3;
-  const int up =
-      resistor("Rp1", "least stroke", "vr", "hl", lower * (kReferenceV / out_.stroke->least - 1.0));
+  const int up = resistor("Rp1", "least stroke", "vr", "hl",
+                          lower * (generator::kReferenceV / out_.stroke->least - 1.0));
   const int down = resistor("Rp2", "least stroke", "hl", "0", lower);
   out_.stroke->least =
-      kReferenceV * out_.part(down).realised / (out_.part(down).realised + out_.part(up).realised);
+      generator::kReferenceV * out_.part(down).realised / (out_.part(down).realised + out_.part(up).realised);
   int number = 0;
   for (const auto& [node, what] :
        {std::pair{"h2", "last peak"}, {"r", "reference"}, {"hl", "least stroke"}}) {
@@ -95,11 +95,7 @@ void Builder::stroke_hold() {
              options_.resistors.nearest(kDividerOhm));
   }
   resistor("Rp3", "stroke, draws what no diode gives", "al", "0", 10e3);
-  out_.stroke->invert_input =
-      resistor("Rp4", "stroke, inverted", "al", "mp", 10e3, options_.resistors.nearest(10e3));
-  out_.stroke->invert_feedback =
-      resistor("Rp5", "stroke, inverted, feedback", "mp", "an", 10e3, options_.resistors.nearest(10e3));
-  out_.stroke->invert_opamp = opamp("stroke, inverted", "0", "mp", "an");
+  out_.stroke->inverter = invert("stroke", "al", "an");
 }
 
 /// An op-amp whose feedback goes through a multiplier: alpha z/U = k V(node), so that z = k U V(node)/alpha.
@@ -108,10 +104,10 @@ std::string Builder::over_stroke(const std::string& node) {
   const std::string quotient = "z" + node, plus = "pz" + node, product = "y" + node;
   if (out_.stroke->divisions.contains(node)) return quotient;
   const std::size_t back = group;
-  enter("division by the stroke");
+  enter("division by the stroke", Purpose::division);
   const double top = std::max(out_.loop.greatest_drive, 1.0), u = out_.multiplier.scale_v;
   // The pair whose ratio is next below what uses the multiplier's range.
-  const double scale = kRoom * out_.multiplier.greatest_input_v / top, ratio = scale / u;
+  const double scale = generator::kRoom * out_.multiplier.greatest_input_v / top, ratio = scale / u;
   const double lower = options_.resistors.nearest(kDividerOhm);
   const int above =
       resistor("Rz1" + node, "divided by the stroke, " + node, node, plus, lower * (1.0 / ratio - 1.0));
@@ -127,15 +123,11 @@ std::string Builder::over_stroke(const std::string& node) {
 }
 
 void Builder::amplitude_gains() {
-  GainCurve curve{.node = "an", .rectifiers = "q", .control = "h", .inverted = "i", .group = "amplitude"};
+  generator::GainCurve curve = generator::GainCurve::over_amplitude();
   curve.corner_v = strokes();
   for (const double alpha : curve.corner_v)
     curve.corner_text.push_back(fmt::format("corner at {} of the stroke", rounded_text(alpha, 4)));
-  for (const int b : {0, 1}) {
-    curve.gain[b] = stroke_gains(b);
-    const auto [least, most] = std::minmax_element(curve.gain[b].begin(), curve.gain[b].end());
-    curve.varies[b] = *least != *most;
-  }
+  curve.gain = {stroke_gains(0), stroke_gains(1)};
   build_curve(curve, out_.amplitude);
 }
 

@@ -9,12 +9,14 @@
 
 #include "schematic/netlist.hpp"
 #include "signal/disturbance.hpp"
+#include "synthesis/generator/maker.hpp"
 #include "synthesis/parts/series.hpp"
 
 /// The whole analog controller as one circuit: netlist, parts list, drawing, KiCad project, JSON and both
 /// simulations read the one description AnalogController.
 namespace bodesmith::controller {
 
+using generator::BranchGain;
 using schematic::Contact;
 using schematic::Deviations;
 using schematic::Multiplier;
@@ -53,20 +55,14 @@ struct Options {
 
 /// One evaluation of v = r - K d(x). Places in AnalogController's lists.
 struct Pass {
-  std::string from;            ///< node whose disturbance it is: "r", "w" or "v"
-  std::string x, out;          ///< nodes; x the argument: `from`, with amplitude gains `from` over the stroke
-  int square = -1, cube = -1;  ///< multipliers
+  std::string from;    ///< node whose disturbance it is: "r", "w" or "v"
+  std::string x, out;  ///< nodes; x the argument: `from`, with amplitude gains `from` over the stroke
+  std::vector<int> multipliers;    ///< x^2, x^3
   int branch_opamp[2] = {-1, -1};  ///< ascending, descending; none: the polynomial is 0
   /// The subtraction r - (Rg/Rin) sw: its op-amp and parts.
   struct Output {
     int opamp = -1, feedback = -1, reference = -1, disturbance = -1;
   } output;
-};
-
-/// A gain of one branch that a control voltage changes: at_rest * (1 + control/U).
-struct BranchGain {
-  double at_rest = 1.0;  ///< gain for control 0, in the weights of the branch
-  int control = -1;      ///< op-amp that makes the control voltage; none: constant
 };
 
 /// The table's gains as straight pieces over frequency: exact at the corners, constant beyond the ends.
@@ -105,7 +101,7 @@ struct AnalogController : schematic::Netlist {
     double droop = 0.0, charge_v = 0.0, hold_error_percent = 0.0;
     /// Op-amps and parts: what follows r to al, and from al to an.
     std::vector<int> follow;
-    int invert_opamp = -1, invert_input = -1, invert_feedback = -1;
+    generator::GeneratorMaker::Inverter inverter;
     /// Of the node that is divided.
     struct Division {
       int above = -1, below = -1, opamp = -1, multiplier = -1;

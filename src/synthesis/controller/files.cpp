@@ -2,30 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "base/documents/json.hpp"
 #include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "schematic/writers/kicad/schematic.hpp"
 #include "schematic/writers/parts_table.hpp"
-#include "signal/csv.hpp"
 #include "synthesis/controller/library.hpp"
 
 namespace bodesmith::controller {
 namespace {
-
-Json parts_json(const AnalogController& controller) {
-  Json out = Json::array();
-  for (const Part& part : controller.parts) {
-    Json one = {{"name", part.name}, {"role", part.role}, {"section", controller.groups[part.group].title},
-                {"from", part.from}, {"to", part.to},     {"series", part.series}};
-    schematic::add_values(one, part);
-    out.push_back(one);
-  }
-  return out;
-}
 
 Json curve_json(const AnalogController& controller) {
   return {{"corner_hz", hertz_values(controller.curve->corner)},
@@ -37,32 +23,6 @@ Json curve_json(const AnalogController& controller) {
 }
 
 }  // namespace
-
-std::string parts_csv(const AnalogController& controller) {
-  CsvTable table(
-      {"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f", "type", "role"});
-  for (const Part& part : controller.parts) {
-    std::vector<std::string> row = schematic::part_cells(part, controller.groups[part.group].title);
-    std::string type = part.kind == Part::Kind::resistor ? "resistor" : "capacitor";
-    if (part.kind == Part::Kind::diode) type = std::exchange(row[2], "");
-    row.insert(row.end(), {type, part.role});
-    table.add_row(row);
-  }
-  const auto component = [&](const std::string& name, std::size_t group, const std::string& type,
-                             const std::string& role) {
-    table.add_row({name, controller.groups[group].title, "", "", "", "", "", type, role});
-  };
-  for (const OpAmp& one : controller.opamps)
-    component(one.name, one.group, controller.model_of(one).name, one.role);
-  for (const Multiplier& one : controller.multipliers)
-    component(one.name, one.group, controller.multiplier.name, one.role);
-  for (const Contact& one : controller.contacts)
-    component(one.name, one.group, controller.analog_switch.name,
-              one.position == 0 ? "closed while r rises" : "closed while r falls");
-  for (const schematic::Source& one : controller.sources)
-    table.add_row({one.name, "references", "", "", "", "", "", one.type, "node " + one.node});
-  return table.text();
-}
 
 Json to_json(const AnalogController& controller) {
   Json out = {{"form", std::string(to_string(controller.form))},
@@ -86,7 +46,7 @@ Json to_json(const AnalogController& controller) {
                           {"error_percent", controller.stroke->hold_error_percent}};
   }
   out["max_error_percent"] = controller.max_error_percent;
-  out["parts"] = parts_json(controller);
+  out["parts"] = schematic::parts_json(controller, "name");
   out["opamps"] = Json::array();
   for (const OpAmp& one : controller.opamps) {
     out["opamps"].push_back({{"name", one.name},
@@ -126,7 +86,7 @@ Json to_json(const AnalogController& controller) {
 void add_controller_files(const AnalogController& controller, const std::string& title, const Json& json,
                           OutputSet& out, const std::filesystem::path& folder) {
   out.add(folder / "controller.sub", controller_library(controller, title));
-  out.add(folder / "parts.csv", parts_csv(controller));
+  out.add(folder / "parts.csv", schematic::parts_csv(controller));
   out.add(folder / "controller.json", to_text(json));
   kicad::add_netlist_project(controller,
                              {.stem = "controller",

@@ -9,10 +9,6 @@
 
 namespace bodesmith::controller {
 
-/// Every part, op-amp, multiplier, switch and reference with its type and role:
-/// `part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f,type,role`.
-std::string parts_csv(const AnalogController& controller);
-
 /// The description: form, parts, op-amps, multipliers, contacts, references, gain curve, loop. Without header.
 Json to_json(const AnalogController& controller);
 

@@ -14,9 +14,9 @@ namespace {
 
 using schematic::Deviations;
 
-std::vector<double> points() {
+std::vector<double> points(int intervals) {
   std::vector<double> out;
-  for (int i = 0; i <= 100; ++i) out.push_back(i / 100.0);
+  for (int i = 0; i <= intervals; ++i) out.push_back(static_cast<double>(i) / intervals);
   return out;
 }
 
@@ -38,12 +38,6 @@ const char* const kKindNames[] = {"offset of X", "offset of Y", "offset of W", "
 using Spoil = std::function<void(Deviations&)>;
 /// d of a branch at all points (and amplitudes).
 using Curve = std::function<std::vector<double>(const Deviations&, size_t branch)>;
-
-Spoil offset_of(int opamp, const ErrorLimits& errors) {
-  return [opamp, volts = errors.opamp_offset_v](Deviations& off) {
-    off.opamp_offset_v[static_cast<std::size_t>(opamp)] = volts;
-  };
-}
 
 /// Spoils one thing after the other and notes how far d moves.
 class Budgeting {
@@ -69,15 +63,12 @@ class Budgeting {
     }
   }
 
-  void resistors(bool of_amplitude, const ErrorLimits& errors) {
+  void resistors(const ErrorLimits& errors) {
     for (size_t i = 0; i < layout_.parts.size(); ++i) {
       const Part& part = layout_.parts[i];
-      const schematic::Purpose purpose = layout_.purpose_of(part.group);
-      if (part.kind != Part::Kind::resistor || purpose == schematic::Purpose::slope_sign) continue;
-      const bool is_amplitude =
-          purpose == schematic::Purpose::amplitude ||
-          (layout_.amplitude && static_cast<int>(i) == layout_.amplitude->output_feedback);
-      if (is_amplitude != of_amplitude) continue;
+      if (part.kind != Part::Kind::resistor ||
+          layout_.purpose_of(part.group) == schematic::Purpose::slope_sign)
+        continue;
       line(part.name + ", tolerance",
            [&](Deviations& off) { off.part[i] = errors.resistor_percent / 100.0; });
     }
@@ -108,67 +99,40 @@ std::vector<double> root_of_squares(const std::vector<BudgetLine>& lines, size_t
   return out;
 }
 
-void amplitude_budget(const Layout& layout, Budget& out) {
-  const AmplitudeControl& amplitude = *layout.amplitude;
-  std::vector<double> x;
-  for (int i = 0; i <= 20; ++i) x.push_back(i / 20.0);
-  const GeneratorAtRest generator(layout, true);
-  Budgeting all(layout, [&](const Deviations& off, size_t b) {
-    std::vector<double> d;
-    for (const double alpha : amplitude.alpha) {
-      const std::vector<double> one = generator.curve(b, x, alpha, off);
-      d.insert(d.end(), one.begin(), one.end());
-    }
-    return d;
-  });
-  for (size_t b = 0; b < amplitude.multipliers.size(); ++b) {
-    all.multiplier(layout.product(amplitude.multipliers[b]).name,
-                   static_cast<std::size_t>(amplitude.multipliers[b]), out.errors);
-    all.line("control op-amp of " + layout.branches[b].name + ", offset",
-             offset_of(amplitude.controls[b].opamp, out.errors));
-  }
-  all.resistors(true, out.errors);
-  all.sort();
-  out.amplitude_lines = std::move(all.lines);
-  out.amplitude_rss_percent = root_of_squares(out.amplitude_lines, layout.branches.size());
-  for (size_t b = 0; b < layout.branches.size(); ++b)
-    out.amplitude_rss_percent[b] = std::hypot(out.amplitude_rss_percent[b], out.rss_percent[b]);
-}
-
 }  // namespace
 
 using schematic::Deviations;
 
-GeneratorAtRest::GeneratorAtRest(const Layout& layout, bool with_amplitude)
+GeneratorAtRest::GeneratorAtRest(const Layout& layout)
     : layout_(layout),
-      with_amplitude_(with_amplitude),
-      order_(layout.generator(with_amplitude),
-             with_amplitude ? std::vector<std::string>{"x", "amplitude"} : std::vector<std::string>{"x"}) {}
+      order_(layout.generator(),
+             layout.amplitude ? std::vector<std::string>{"x", "amplitude"} : std::vector<std::string>{"x"}) {}
 
-std::vector<double> GeneratorAtRest::curve(std::size_t branch, const std::vector<double>& x, double alpha,
-                                           const Deviations& off) const {
+void GeneratorAtRest::visit(std::size_t branch, const std::vector<double>& x, double alpha,
+                            const Deviations& off,
+                            const std::function<void(double, const schematic::RestPoint&)>& each) const {
   schematic::RestPoint rest(order_, off.of_part(order_.netlist(), layout_));
-  if (with_amplitude_) rest.set(order_.node("amplitude"), alpha);
-  const int in = order_.node("x"), out = order_.node("out");
-  std::vector<double> d;
+  if (layout_.amplitude) rest.set(order_.node("amplitude"), alpha);
+  const int in = order_.node("x");
   for (const double at : x) {
     rest.set(in, at);
     rest.settle(static_cast<int>(branch));
-    d.push_back(rest.volts(out));
+    each(at, rest);
   }
+}
+
+std::vector<double> GeneratorAtRest::curve(std::size_t branch, const std::vector<double>& x, double alpha,
+                                           const Deviations& off) const {
+  std::vector<double> d;
+  visit(branch, x, alpha, off, [&, out = order_.node("out")](double, const schematic::RestPoint& at) {
+    d.push_back(at.volts(out));
+  });
   return d;
 }
 
 std::vector<double> GeneratorAtRest::curve(std::size_t branch, const std::vector<double>& x,
                                            double alpha) const {
   return curve(branch, x, alpha, Deviations::none(layout_));
-}
-
-double GeneratorAtRest::control_v(std::size_t branch, double alpha) const {
-  schematic::RestPoint rest(order_, Deviations::none(order_.netlist()));
-  rest.set(order_.node("amplitude"), alpha);
-  rest.settle(0);
-  return rest.volts(layout_.op(layout_.amplitude->controls[branch].opamp).out);
 }
 
 Deviations multipliers_at_limit(const Layout& layout, const ErrorLimits& errors) {
@@ -181,22 +145,29 @@ Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
   Budget out;
   out.errors = errors;
   const size_t branches = layout.branches.size();
-  const std::vector<double> x = points();
+  const std::vector<double> x = points(layout.amplitude ? 20 : 100);
   const GeneratorAtRest generator(layout);
-  Budgeting all(layout, [&](const Deviations& off, size_t b) { return generator.curve(b, x, 1.0, off); });
-  for (size_t i = 0; i < layout.generator_multipliers(); ++i)
+  Budgeting all(layout, [&](const Deviations& off, size_t b) {
+    std::vector<double> d;
+    for (const double alpha : layout.strokes()) {
+      const std::vector<double> one = generator.curve(b, x, alpha, off);
+      d.insert(d.end(), one.begin(), one.end());
+    }
+    return d;
+  });
+  for (size_t i = 0; i < layout.multipliers.size(); ++i)
     all.multiplier(layout.multipliers[i].name, i, errors);
-  for (size_t s = 0; s < layout.sums.size(); ++s) {
-    all.line("op-amp " + layout.op(layout.sums[s].opamp).name + " of " +
-                 layout.op(layout.sums[s].opamp).role + ", offset",
-             offset_of(layout.sums[s].opamp, errors));
+  for (size_t i = 0; i < layout.opamps.size(); ++i) {
+    const schematic::OpAmp& one = layout.opamps[i];
+    if (one.fast) continue;
+    all.line(fmt::format("{} ({}), offset", one.name, one.role),
+             [&](Deviations& off) { off.opamp_offset_v[i] = errors.opamp_offset_v; });
   }
-  all.line("output op-amp, offset", offset_of(layout.output_opamp, errors));
   if (layout.switched()) {
     all.line("switch, on-resistance",
              [&](Deviations& off) { off.switch_relative = errors.switch_ohm_percent / 100.0; });
   }
-  all.resistors(false, errors);
+  all.resistors(errors);
   all.sort();
   out.lines = std::move(all.lines);
   out.rss_percent = root_of_squares(out.lines, branches);
@@ -204,59 +175,35 @@ Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
   for (const BudgetLine& one : out.lines) {
     for (size_t b = 0; b < branches; ++b) out.worst_percent[b] += one.percent[b];
   }
-  if (layout.amplitude) amplitude_budget(layout, out);
   return out;
 }
 
 void add_nodes(Layout& layout) {
-  // + 0.0: no "-0.0" in the files.
-  const auto add = [&](std::string name, std::string what, double low, double high) {
-    layout.nodes.push_back({std::move(name), std::move(what), low + 0.0, high + 0.0});
-  };
-  add("x", "reference, 1 V is full stroke", 0.0, 1.0);
-  std::vector<bool> in_branch(layout.generator_multipliers(), false);
-  for (const Branch& b : layout.branches) {
-    for (const int index : b.multipliers) in_branch[static_cast<std::size_t>(index)] = true;
+  std::vector<NodeRange> nodes = {{"x", "reference, 1 V is full stroke"}};
+  for (const Multiplier& one : layout.multipliers) nodes.push_back({one.out, one.role});
+  for (const schematic::OpAmp& one : layout.opamps) {
+    // A rectifier's op-amp stands a diode's voltage beyond what it makes.
+    const bool rectifies = std::any_of(layout.parts.begin(), layout.parts.end(), [&](const Part& part) {
+      return part.kind == Part::Kind::diode && (part.from == one.out || part.to == one.out);
+    });
+    if (!one.fast && !rectifies && one.out != "out") nodes.push_back({one.out, one.role});
   }
-  for (std::size_t i = 0; i < layout.generator_multipliers(); ++i) {
-    const Multiplier& m = layout.multipliers[i];
-    if (!in_branch[i]) add(m.out, m.role, 0.0, m.peak_v);
-  }
-  double low_out = 0.0, high_out = 0.0;
-  for (const Branch& b : layout.branches) {
-    for (const int index : b.sums) {
-      const Sum& s = layout.sums[static_cast<std::size_t>(index)];
-      if (const std::string& made = layout.op(s.opamp).out; made != b.out)
-        add(made, fmt::format("sum of a group, {}", b.name), -s.peak_v, s.peak_v);
-    }
-    for (const int index : b.multipliers) {
-      const Multiplier& m = layout.multipliers[static_cast<std::size_t>(index)];
-      if (m.out != b.out) add(m.out, m.role, -m.peak_v, m.peak_v);
-    }
-    double low = 0.0, high = 0.0;
-    for (int i = 0; i <= kPolynomialPoints; ++i) {
-      const double d = b.value(static_cast<double>(i) / kPolynomialPoints);
-      low = std::min(low, d);
-      high = std::max(high, d);
-    }
-    add(b.out, fmt::format("-{} d(x), {}", rounded_text(layout.branch_gain), b.name),
-        -layout.branch_gain * high, -layout.branch_gain * low);
-    low_out = std::min(low_out, low);
-    high_out = std::max(high_out, high);
-  }
-  if (layout.switched()) {
-    add("sw", "behind the branch switch", -layout.branch_gain * high_out, -layout.branch_gain * low_out);
-  }
-  if (layout.amplitude) {
-    for (std::size_t b = 0; b < layout.branches.size(); ++b) {
-      const Sum& control = layout.amplitude->controls[b];
-      add(layout.op(control.opamp).out, "control voltage, " + layout.branches[b].name, -control.peak_v,
-          control.peak_v);
-      const Multiplier& m = layout.product(layout.amplitude->multipliers[b]);
-      add(m.out, m.role, -m.peak_v, m.peak_v);
+  if (layout.switched()) nodes.push_back({"sw", "behind the branch switch"});
+  nodes.push_back({"out", "d(x), 1 V per unit"});
+  const GeneratorAtRest generator(layout);
+  for (std::size_t b = 0; b < layout.branches.size(); ++b) {
+    for (const double alpha : layout.strokes()) {
+      generator.visit(b, points(100), alpha, Deviations::none(layout),
+                      [&](double, const schematic::RestPoint& at) {
+                        for (NodeRange& one : nodes) {
+                          const double volts = at.volts(one.name) + 0.0;  // no "-0.0" in the files
+                          one.lowest_v = std::min(one.lowest_v, volts);
+                          one.highest_v = std::max(one.highest_v, volts);
+                        }
+                      });
     }
   }
-  add("out", "d(x), 1 V per unit", low_out, high_out);
+  layout.nodes = std::move(nodes);
 }
 
 }  // namespace bodesmith::generator

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct ErrorLimits {
   }
 };
 
-/// One cause, alone, at its limit: greatest change of d(x) over x in [0, 1], percent of the range of x.
+/// One cause, alone, at its limit: greatest change of d over x in [0, 1] and the strokes that are looked at, percent of the range
+/// of x.
 struct BudgetLine {
   std::string cause;
   std::vector<double> percent;  ///< one a branch
@@ -39,9 +41,6 @@ struct Budget {
   std::vector<BudgetLine> lines;      ///< largest first
   std::vector<double> rss_percent;    ///< root of the sum of squares, one a branch
   std::vector<double> worst_percent;  ///< sum
-  /// What the amplitude gains add, worst alpha of the table; empty without them.
-  std::vector<BudgetLine> amplitude_lines;
-  std::vector<double> amplitude_rss_percent;  ///< with the causes of `lines`
 };
 
 /// Every multiplier with all its departures at their limits.
@@ -52,18 +51,18 @@ Budget make_budget(const Layout& layout, const ErrorLimits& errors = {});
 /// The generator at rest: d(x) of a layout's own netlist. Deviations are by place in the layout's lists.
 class GeneratorAtRest {
  public:
-  explicit GeneratorAtRest(const Layout& layout, bool with_amplitude = false);
+  explicit GeneratorAtRest(const Layout& layout);
 
-  /// d at each x, of the stroke alpha where the amplitude gains are in.
+  /// d at each x, of the stroke alpha where there are amplitude gains.
   std::vector<double> curve(std::size_t branch, const std::vector<double>& x, double alpha,
                             const schematic::Deviations& off) const;
   std::vector<double> curve(std::size_t branch, const std::vector<double>& x, double alpha = 1.0) const;
-  /// Control voltage of a branch's amplitude gain, V.
-  double control_v(std::size_t branch, double alpha) const;
+  /// The voltages of some nodes at x of a branch; made for many x.
+  void visit(std::size_t branch, const std::vector<double>& x, double alpha, const schematic::Deviations& off,
+             const std::function<void(double x, const schematic::RestPoint& at)>& each) const;
 
  private:
   const Layout& layout_;
-  bool with_amplitude_;
   schematic::RestOrder order_;
 };
 

@@ -5,6 +5,7 @@
 #include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "schematic/writers/kicad/schematic.hpp"
 #include "schematic/writers/parts_table.hpp"
 #include "schematic/writers/spice_library.hpp"
 
@@ -18,18 +19,11 @@ Json multiplier_json(const Multiplier& m) {
 
 Json amplitude_json(const Layout& layout) {
   const AmplitudeControl& a = *layout.amplitude;
-  Json out = {{"alpha", a.alpha},
-              {"gains", a.wanted},
-              {"control_scale_v", a.control_scale_v},
-              {"rectifiers", Json::array()}};
-  for (const AmplitudeControl::Rectifier& r : a.rectifiers) {
-    out["rectifiers"].push_back({{"opamp", layout.op(r.opamp).name},
-                                 {"node", r.node},
-                                 {"wanted_alpha", r.wanted},
-                                 {"realised_alpha", r.realised}});
-  }
+  Json out = {{"alpha", a.alpha}, {"gains", a.wanted}, {"at_rest", Json::array()}};
+  for (const BranchGain& one : a.gains) out["at_rest"].push_back(one.at_rest);
   out["gain_multipliers"] = Json::array();
-  for (const int m : a.multipliers) out["gain_multipliers"].push_back(multiplier_json(layout.product(m)));
+  for (const int m : a.multipliers)
+    out["gain_multipliers"].push_back(multiplier_json(layout.multipliers[static_cast<std::size_t>(m)]));
   out["max_error_percent"] = a.max_error_percent;
   return out;
 }
@@ -70,6 +64,7 @@ Json to_json(const Layout& layout) {
                        {"scale_v", layout.multiplier.scale_v},
                        {"greatest_input_v", layout.multiplier.greatest_input_v},
                        {"bandwidth_hz", layout.multiplier.bandwidth.value}};
+  out["fast_opamp"] = layout.fast_opamp.name;
   out["opamp"] = {{"name", layout.opamp.name}, {"gain_bandwidth_hz", layout.opamp.gain_bandwidth.value}};
   out["opamps"] = layout.opamps.size();
   out["branch_gain"] = layout.branch_gain;
@@ -85,8 +80,10 @@ Json to_json(const Layout& layout) {
                               {"chosen", one.chosen}});
   }
   out["multipliers"] = Json::array();
-  for (std::size_t i = 0; i < layout.generator_multipliers(); ++i)
-    out["multipliers"].push_back(multiplier_json(layout.multipliers[i]));
+  for (const Multiplier& one : layout.multipliers) {
+    if (layout.purpose_of(one.group) != schematic::Purpose::amplitude)
+      out["multipliers"].push_back(multiplier_json(one));
+  }
   out["branches"] = Json::array();
   for (const Branch& b : layout.branches) {
     out["branches"].push_back({{"name", b.name},
@@ -104,17 +101,13 @@ Json to_json(const Layout& layout) {
                             {"lowest_v", node.lowest_v},
                             {"highest_v", node.highest_v}});
   }
-  out["parts"] = Json::array();
-  for (const Part& one : layout.parts) {
-    Json part = {
-        {"part", one.name}, {"role", one.role}, {"from", one.from}, {"to", one.to}, {"series", one.series}};
-    schematic::add_values(part, one);
-    out["parts"].push_back(std::move(part));
-  }
+  out["parts"] = schematic::parts_json(layout, "part");
   out["error"] = {{"max_error_percent", layout.max_error_percent}};
   out["warnings"] = layout.warnings;
   return out;
 }
+
+namespace {
 
 Json to_json(const Budget& budget) {
   Json out;
@@ -128,16 +121,11 @@ Json to_json(const Budget& budget) {
   out["rss_percent"] = budget.rss_percent;
   out["worst_percent"] = budget.worst_percent;
   out["causes"] = lines_json(budget.lines);
-  if (!budget.amplitude_lines.empty()) {
-    out["amplitude"] = {{"rss_percent", budget.amplitude_rss_percent},
-                        {"causes", lines_json(budget.amplitude_lines)}};
-  }
   return out;
 }
 
 Json to_json(const Timing& timing) {
   Json out;
-  if (timing.detector.delays.empty()) return out;
   out["slope_detector"] = {{"threshold_v", timing.detector.threshold_v},
                            {"least_slope_v_per_s", timing.detector.least_slope_v_per_s},
                            {"noise_rms_v", timing.detector.noise_v},
@@ -174,7 +162,6 @@ Json to_json(const Timing& timing) {
 
 Json transient_budget_json(const Timing& timing) {
   Json out = Json::array();
-  if (timing.detector.delays.empty()) return out;
   const double gap = timing.analog_switch.closes_s - timing.analog_switch.opens_s;
   out.push_back({{"cause", "break before make, droop from full scale"},
                  {"percent", timing.analog_switch.droop_percent},
@@ -191,8 +178,6 @@ Json transient_budget_json(const Timing& timing) {
   return out;
 }
 
-namespace {
-
 std::string codes_of(const Layout& layout) {
   std::vector<std::string> out;
   for (int select = 0; select < (1 << layout.select_lines()); ++select) {
@@ -206,12 +191,12 @@ std::string codes_of(const Layout& layout) {
   return join(out, ", ");
 }
 
-std::vector<std::string> notes_of(const Layout& layout, bool amplitude) {
+std::vector<std::string> notes_of(const Layout& layout) {
   std::vector<std::string> out = {fmt::format(
       "x: 1 V is full stroke; branch above 0.5 V: {}; out: 1 V is d = 1. {}", layout.branches[0].name,
-      amplitude ? "With the amplitude gains." : "Without the gain tables.")};
+      layout.amplitude ? "With the amplitude gains." : "Without the gain tables.")};
   if (layout.select_lines() > 0) out.push_back("select lines, binary, select1 lowest; " + codes_of(layout));
-  if (amplitude) {
+  if (layout.amplitude) {
     out.push_back(
         "amplitude: the stroke alpha, 1 V is full stroke; x is the reference divided by alpha, 0 to 1 V.");
     out.push_back("This file stands alone: it is not to be included beside disturbance.sub.");
@@ -223,27 +208,39 @@ std::vector<std::string> notes_of(const Layout& layout, bool amplitude) {
 
 }  // namespace
 
-std::string disturbance_pins(const Layout& layout, bool amplitude) {
+Json to_json(const Layout& layout, const Budget& budget, const Timing& timing) {
+  Json out = to_json(layout);
+  out["budget"] = to_json(budget);
+  if (!layout.switched()) return out;
+  out["timing"] = to_json(timing);
+  out["budget"]["transient"] = transient_budget_json(timing);
+  return out;
+}
+
+std::string disturbance_name(const Layout& layout) {
+  return layout.amplitude ? "disturbance_amplitude" : "disturbance";
+}
+
+std::string disturbance_pins(const Layout& layout) {
   std::string out = "x branch";
   for (int line = 1; line <= layout.select_lines(); ++line) out += fmt::format(" select{}", line);
-  return out + (amplitude ? " amplitude out" : " out");
+  return out + (layout.amplitude ? " amplitude out" : " out");
 }
 
 std::string disturbance_library(const Layout& layout, const std::string& title,
-                                const DisturbanceLibrary& options) {
+                                const std::optional<ErrorLimits>& errors) {
   schematic::SpiceLibrary out;
   out.title = title;
   out.written_by = std::string("bodesmith ") + kVersion;
-  out.top = options.amplitude ? "disturbance_amplitude" : "disturbance";
-  out.notes = notes_of(layout, options.amplitude);
+  out.top = disturbance_name(layout);
+  out.notes = notes_of(layout);
   schematic::Subcircuit top;
   top.name = out.top;
-  const std::string pins = disturbance_pins(layout, options.amplitude);
+  const std::string pins = disturbance_pins(layout);
   for (const std::string_view pin : split(pins, ' ')) top.pins.emplace_back(pin);
-  top.netlist = layout.generator(options.amplitude);
+  top.netlist = layout.generator();
   schematic::Deviations off = schematic::Deviations::none(top.netlist);
-  if (options.errors)
-    off.multiplier.assign(top.netlist.multipliers.size(), options.errors->multiplier_at_limit());
+  if (errors) off.multiplier.assign(top.netlist.multipliers.size(), errors->multiplier_at_limit());
   out.subcircuits.push_back(std::move(top));
   if (layout.switched())
     out.subcircuits.push_back(
@@ -251,7 +248,41 @@ std::string disturbance_library(const Layout& layout, const std::string& title,
          {"x", "branch"},
          {"slope detector: differentiator with a logarithmic limit, comparator with hysteresis, 0 V or 1 V out"},
          layout.detector_netlist()});
-  return schematic::spice_text(out, {.off = options.errors ? &off : nullptr});
+  return schematic::spice_text(out, {.off = errors ? &off : nullptr});
+}
+
+void add_libraries(const Layout& layout, const std::string& title, OutputSet& out,
+                   const std::filesystem::path& folder) {
+  if (layout.of_full_strokes) add_libraries(*layout.of_full_strokes, title, out, folder);
+  out.add(folder / (disturbance_name(layout) + ".sub"), disturbance_library(layout, title));
+}
+
+namespace {
+
+kicad::SheetOptions sheet_of(const Layout& layout, const std::string& title) {
+  return {.stem = "layout",
+          .title = title,
+          .comment = fmt::format("bodesmith {}; op-amps {}", kVersion, layout.opamp.name),
+          .ports = layout.ports(),
+          .tolerances = {}};
+}
+
+}  // namespace
+
+std::string layout_svg(const Layout& layout, const std::string& title) {
+  return kicad::netlist_svg(layout, sheet_of(layout, title));
+}
+
+void add_layout_files(const Layout& layout, const std::string& title, const Json& json, OutputSet& out) {
+  out.add("layout.json", to_text(json));
+  add_libraries(layout, title, out);
+  out.add("parts.csv", schematic::parts_csv(layout));
+  // The pins of an 8-way switch are not known.
+  if (layout.contacts.size() <= 2) {
+    kicad::add_netlist_project(layout, sheet_of(layout, title), out, "");
+  } else {
+    out.add("layout.svg", layout_svg(layout, title));
+  }
 }
 
 }  // namespace bodesmith::generator

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "base/documents/json_fwd.hpp"
+#include "base/files.hpp"
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/layout.hpp"
 #include "synthesis/generator/timing.hpp"
@@ -12,26 +14,25 @@ namespace bodesmith::generator {
 
 /// layout.json without its header.
 Json to_json(const Layout& layout);
-/// Its part "budget".
-Json to_json(const Budget& budget);
-/// Its part "timing".
-Json to_json(const Timing& timing);
-/// The transient causes beside the budget at rest: percent of range while they last, s.
-Json transient_budget_json(const Timing& timing);
+/// The same with its parts "budget" and, where there is a switch, "timing".
+Json to_json(const Layout& layout, const Budget& budget, const Timing& timing);
 
-struct DisturbanceLibrary {
-  /// With the amplitude gains: `.subckt disturbance_amplitude x branch amplitude out`.
-  bool amplitude = false;
-  /// Every multiplier off by these limits (for checks).
-  std::optional<ErrorLimits> errors;
-};
-
-/// `.subckt disturbance x branch out`; more than two branches have their select lines after `branch`. Beside
-/// it, when there is a switch, `.subckt slope_detector x branch`.
+/// `.subckt disturbance x branch out`, with amplitude gains `.subckt disturbance_amplitude x branch amplitude out`; more than two
+/// branches have their select lines after `branch`. Beside it, when there is a switch, `.subckt slope_detector x branch`. `errors`:
+/// every multiplier off by these limits (for checks).
 std::string disturbance_library(const Layout& layout, const std::string& title,
-                                const DisturbanceLibrary& options = {});
+                                const std::optional<ErrorLimits>& errors = {});
 
-/// `x branch out`, or with select lines and amplitude.
-std::string disturbance_pins(const Layout& layout, bool amplitude);
+/// Its top subcircuit, and its pins: `x branch out`, or with select lines and amplitude.
+std::string disturbance_name(const Layout& layout);
+std::string disturbance_pins(const Layout& layout);
+
+/// disturbance.sub and, with amplitude gains, disturbance_amplitude.sub.
+void add_libraries(const Layout& layout, const std::string& title, OutputSet& out,
+                   const std::filesystem::path& folder = {});
+/// The generator and the slope detector as one sheet.
+std::string layout_svg(const Layout& layout, const std::string& title = "Disturbance generator");
+/// layout.json (`json`), both netlists, parts.csv, layout.svg and, for up to two branches, the KiCad project.
+void add_layout_files(const Layout& layout, const std::string& title, const Json& json, OutputSet& out);
 
 }  // namespace bodesmith::generator

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "schematic/netlist.hpp"
 #include "signal/disturbance.hpp"
+#include "synthesis/generator/maker.hpp"
 #include "synthesis/parts/series.hpp"
 
 namespace bodesmith::generator {
@@ -34,6 +36,7 @@ struct Scheme {
 struct Options {
   MultiplierModel multiplier;
   schematic::OpAmpModel opamp;
+  schematic::OpAmpModel fast_opamp;  ///< of the slope detector; default: AD8066
   synthesis::Series resistors = synthesis::Series::named("E96");
   std::optional<SwitchModel> analog_switch;  ///< none: SwitchModel::for_branches
   double full_scale_v = 1.0;                 ///< greatest |voltage| at every node but the output
@@ -41,28 +44,19 @@ struct Options {
   Hertz lowest{1.0};
   Hertz highest{5000.0};
   Scheme scheme;
+
+  Options();
 };
 
-/// One op-amp that sums with both signs.
-struct Sum {
-  int opamp = -1;  ///< place in Layout::opamps; its role says what is summed
-  double peak_v = 0.0;
-  double noise_gain = 1.0;
-};
-
-/// One polynomial d(x) = a1 x + a2 x^2 + …; its node `out` carries -branch_gain * d(x).
+/// One polynomial d(x) = a1 x + a2 x^2 + …; its node `out` carries -branch_gain * d, of its gain over the stroke too.
 struct Branch {
   std::string name;
   std::vector<double> wanted;    ///< a1, a2, …
   std::vector<double> realised;  ///< what the resistors make of it, output amplifier and switch included
-  std::vector<int> sums;         ///< places in Layout::sums, innermost group first
-  std::vector<int> multipliers;  ///< places in Layout::multipliers of its chain, innermost first
   std::string out;
   double peak_v = 0.0;
   double max_error_percent =
       0.0;  ///< greatest |realised - wanted| of d(x) over x in [0, 1], percent of the range of x
-
-  double value(double x) const;  ///< with `realised`
 };
 
 struct NodeRange {
@@ -72,27 +66,14 @@ struct NodeRange {
 };
 
 /// Amplitude-varying gains (disturbance paper, Fig. 3c, d) as hardware: d = g_b(alpha) d_b(x), g_b piecewise linear
-/// in the stroke alpha, constant beyond its table. Precision rectifiers make -max(0, alpha - alpha_k), shared
-/// by the branches; two inverting sums a branch make the control voltage control_scale_v * g_b; a multiplier
-/// as voltage-controlled gain stands between each branch and the switch. x stays the reference divided by its
+/// in the stroke alpha, constant beyond its table (GeneratorMaker::build_curve). x stays the reference divided by its
 /// stroke, 0 to 1 V.
 struct AmplitudeControl {
   std::vector<double> alpha;
   std::vector<std::vector<double>> wanted;  ///< one table a branch
-  double control_scale_v = 1.0;             ///< V at the control input for a gain of 1
-
-  struct Rectifier {
-    int opamp = -1;
-    std::string node;
-    double wanted = 0.0, realised = 0.0;  ///< alpha_k
-  };
-  std::vector<Rectifier> rectifiers;
-  std::vector<Sum> controls;       ///< one a branch, control voltage
-  std::vector<int> multipliers;    ///< one a branch, places in Layout::multipliers
-  int output_feedback = -1;        ///< takes the place of Layout::output_feedback
+  std::vector<BranchGain> gains;            ///< one a branch
+  std::vector<int> multipliers;             ///< places in Layout::multipliers
   double max_error_percent = 0.0;  ///< of g_b(alpha) d_b(x) by the parts, worst alpha, percent of range
-
-  double wanted_gain(size_t branch, double alpha) const;
 };
 
 /// One way to split the polynomials, laid out with exact resistors and compared.
@@ -113,34 +94,38 @@ struct Candidate {
 /// Branches come in pairs, first the one for rising x; pair s is chosen when the select lines read s in
 /// binary (select1 is the lowest bit, above 0.5 V is 1). A last single branch serves both slopes.
 ///
-/// The netlist holds everything: the generator, what the amplitude gains add to it, the slope detector. generator() and
-/// detector() are the circuits.
+/// The netlist holds everything: the generator, with its gains over the amplitude where there is a table, and the slope detector.
 struct Layout : schematic::Netlist {
   int group = Scheme::kShared;
   double full_scale_v = 1.0;
   double branch_gain =
       1.0;  ///< V per unit of d at the branches' nodes: (Rin + Ron)/Rg of the output amplifier
-  std::vector<Sum> sums;
+  double noise_gain = 1.0;                      ///< greatest of the branches' sums
   std::vector<Branch> branches;                 ///< first: switch at branch > 0.5 V (ascending)
   int output_input = -1, output_feedback = -1;  ///< parts Rin, Rg
-  int output_opamp = -1;
   std::optional<AmplitudeControl> amplitude;
+  std::shared_ptr<const Layout>
+      of_full_strokes;  ///< beside amplitude gains: the circuit without them, made by itself
   std::vector<NodeRange> nodes;
   std::vector<Candidate> candidates;
   std::vector<std::string> warnings;
   double max_error_percent = 0.0;
 
-  const schematic::OpAmp& op(int index) const { return opamps[static_cast<size_t>(index)]; }
-  const Multiplier& product(int index) const { return multipliers[static_cast<size_t>(index)]; }
   /// `x branch out`, with the amplitude gains `x branch amplitude out`; select lines after `branch`.
-  schematic::Netlist generator(bool with_amplitude) const;
+  schematic::Netlist generator() const;
   /// `x branch`: makes the branch signal from the slope of x.
   schematic::Netlist detector_netlist() const;
-  /// Both as one circuit, with the amplitude gains where there are any, and the nodes that lead out of it.
-  schematic::Netlist whole() const;
+  /// The pins of both as one circuit.
   std::vector<std::string> ports() const;
-  /// Of the multipliers, how many make powers and groups; those of the amplitude gains come behind them.
-  std::size_t generator_multipliers() const { return multipliers.size() - (amplitude ? branches.size() : 0); }
+  /// Of the multipliers, how many make powers and groups.
+  std::size_t generator_multipliers() const {
+    return multipliers.size() - (amplitude ? amplitude->multipliers.size() : 0);
+  }
+  /// g(alpha) d(x) of a branch as asked for; of its realised coefficients.
+  double wanted(std::size_t branch, double x, double alpha = 1.0) const;
+  double realised(std::size_t branch, double x, double alpha = 1.0) const;
+  /// Strokes that are looked at: the table's, or the full one.
+  std::vector<double> strokes() const { return amplitude ? amplitude->alpha : std::vector<double>{1.0}; }
   bool switched() const { return branches.size() > 1; }
   /// Lines select1, select2, … beside `branch`.
   int select_lines() const;
@@ -172,9 +157,6 @@ struct Input {
 Layout make_layout(const Input& input, const Options& options = {});
 Layout make_layout(const Disturbance& disturbance, const Options& options = {});
 Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options = {});
-
-/// parts.csv: that of the op-amp circuits, with the role in place of the section.
-std::string parts_csv(const Layout& layout);
 
 /// Steps of x over [0, 1] where polynomials are compared.
 constexpr int kPolynomialPoints = 1000;

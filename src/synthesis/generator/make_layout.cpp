@@ -50,6 +50,23 @@ void warn_when_slow(Layout& layout, Hertz highest) {
   }
 }
 
+/// By the parts, at rest.
+void find_amplitude_error(Layout& layout) {
+  const GeneratorAtRest generator(layout);
+  AmplitudeControl& a = *layout.amplitude;
+  std::vector<double> x;
+  for (int i = 0; i <= 50; ++i) x.push_back(i / 50.0);
+  for (std::size_t b = 0; b < layout.branches.size(); ++b) {
+    for (int i = 1; i <= 100; ++i) {
+      const double alpha = i / 100.0 * std::max(1.0, a.alpha.back());
+      const std::vector<double> d = generator.curve(b, x, alpha);
+      for (std::size_t k = 0; k < x.size(); ++k)
+        a.max_error_percent =
+            std::max(a.max_error_percent, 100.0 * std::abs(d[k] - layout.wanted(b, x[k], alpha)));
+    }
+  }
+}
+
 Candidate measure(const Layout& layout, int group, int degree) {
   Candidate out;
   out.group = group;
@@ -63,11 +80,9 @@ Candidate measure(const Layout& layout, int group, int degree) {
   }
   const Budget budget = make_budget(layout);
   out.rss_percent = *std::max_element(budget.rss_percent.begin(), budget.rss_percent.end());
-  double noise_gain = 1.0;
-  for (const Sum& sum : layout.sums) noise_gain = std::max(noise_gain, sum.noise_gain);
   const double lag =
       out.depth / layout.multiplier.bandwidth.rad_s().value +
-      (noise_gain + 1.0 + 1.0 / layout.branch_gain) / layout.opamp.gain_bandwidth.rad_s().value;
+      (layout.noise_gain + 1.0 + 1.0 / layout.branch_gain) / layout.opamp.gain_bandwidth.rad_s().value;
   out.bandwidth = Hertz{1.0 / (2.0 * std::numbers::pi * lag)};
   return out;
 }
@@ -76,7 +91,7 @@ Candidate measure(const Layout& layout, int group, int degree) {
 
 Layout make_layout(const Input& input, const Options& options) {
   check(input, options);
-  std::vector<Candidate> candidates = compare_schemes(input, options);
+  std::vector<Candidate> candidates = compare_schemes({input.branches, {}}, options);
   const auto chosen =
       std::find_if(candidates.begin(), candidates.end(), [](const Candidate& one) { return one.chosen; });
   // Asked for, but it cannot be made: building it says why.
@@ -84,8 +99,11 @@ Layout make_layout(const Input& input, const Options& options) {
   Layout out = build(input, options, group);
   out.candidates = std::move(candidates);
   warn_when_slow(out, options.highest);
-  if (!input.alpha.empty()) add_amplitude(out, input, options);
   add_nodes(out);
+  if (out.amplitude) {
+    find_amplitude_error(out);
+    out.of_full_strokes = std::make_shared<const Layout>(make_layout(Input{input.branches, {}}, options));
+  }
   return out;
 }
 

@@ -9,11 +9,11 @@
 
 namespace bodesmith::generator {
 
-/// disturbance.sub (and disturbance_amplitude.sub) in ngspice against the polynomials and against what the
-/// program predicts.
+/// disturbance.sub (or disturbance_amplitude.sub) in ngspice against the polynomials and against what the program predicts: at rest at
+/// the table's strokes, between and below them.
 struct DisturbanceCheck {
   double static_percent =
-      0.0;  ///< greatest |d - wanted| over x in [0, 1], all branches, percent of the range of x
+      0.0;  ///< greatest |d - wanted| over x in [0, 1], all branches and strokes, percent of the range of x
   double static_against_program = 0.0;  ///< the same against the program's own figures
   /// Every multiplier's errors at their limits, static: greatest |d - wanted| in ngspice, by the program, and
   /// the greatest difference of the two, percent of range.
@@ -21,6 +21,7 @@ struct DisturbanceCheck {
 
   struct Dynamic {
     Hertz frequency;
+    double alpha = 1.0;                 ///< the stroke
     double rms_percent = 0.0;           ///< second period of a triangle, slope detector and switch included
     double peak_percent = 0.0;          ///< greatest |error| of it
     double late_share = 0.0;            ///< share of the period in which the branch is the wrong one
@@ -37,18 +38,10 @@ struct DisturbanceCheck {
     double glitch_percent = 0.0, predicted_percent = 0.0;  ///< while both contacts are open
   };
   std::optional<Change> change;
-
-  struct Amplitude {
-    double static_percent = 0.0, against_program = 0.0;
-    Hertz frequency;
-    double alpha = 0.0;
-    double rms_percent = 0.0;  ///< second period of a triangle at this stroke
-  };
-  std::optional<Amplitude> amplitude;
 };
 
-/// Static sweeps of every branch, a triangle of 0 to 1 V at each frequency through the slope detector, one
-/// change of branch. Needs ngspice.
+/// Static sweeps of every branch, a triangle of 0 to 1 V at each frequency through the slope detector (with amplitude
+/// gains at the last one also at the table's middle stroke), one change of branch. Needs ngspice.
 DisturbanceCheck check_disturbance(const Layout& layout, const std::vector<Hertz>& triangles,
                                    const ErrorLimits& errors = {});
 

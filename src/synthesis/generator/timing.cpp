@@ -78,7 +78,7 @@ SwitchFigures::Late late_figures(const Layout& layout, Hertz f, double delay_s, 
       const bool rising = t < 0.5 * period;
       x.push_back(triangle(t));
       x_late.push_back(triangle(t - lag));
-      wanted.push_back(polynomial(layout.branches[static_cast<size_t>(rising ? up : down)].wanted, x.back()));
+      wanted.push_back(layout.wanted(static_cast<size_t>(rising ? up : down), x.back()));
       first.push_back(std::fmod(t - delay_s + period, period) < 0.5 * period);
     }
     const auto errors_of = [&](const schematic::Deviations& off, double& rms, double* peak) {
@@ -95,8 +95,8 @@ SwitchFigures::Late late_figures(const Layout& layout, Hertz f, double delay_s, 
     errors_of(good, out.rms_percent, &out.peak_percent);
     errors_of(limit, out.rms_at_limit_percent, nullptr);
     const auto step = [&](double at) {
-      return 100.0 * std::abs(layout.branches[static_cast<size_t>(up)].value(at) -
-                              layout.branches[static_cast<size_t>(down)].value(at));
+      return 100.0 * std::abs(layout.realised(static_cast<size_t>(up), at) -
+                              layout.realised(static_cast<size_t>(down), at));
     };
     const double moved = std::min(1.0, 2.0 * f.value * delay_s);
     for (int i = 0; i <= 50; ++i) {

@@ -56,16 +56,17 @@ class NetlistMaker {
                  const std::vector<std::vector<double>>& rows, const std::string& role,
                  const std::string& out, const std::string& inverted);
 
+ protected:
+  schematic::Netlist& to_;
+  const Series& resistors_;
+  const Series& capacitors_;
+
  private:
   /// Returns what the realised resistors make of the gains, all below 0.
   std::vector<double> inverting_sum(const std::vector<std::string>& from, const std::vector<double>& gains,
                                     const std::vector<std::vector<double>>& rows, const std::string& role,
                                     const std::string& out);
   int part(schematic::Part one);
-
-  schematic::Netlist& to_;
-  const Series& resistors_;
-  const Series& capacitors_;
 };
 
 }  // namespace bodesmith::synthesis

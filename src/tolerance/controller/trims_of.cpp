@@ -24,7 +24,6 @@ std::string divided_down(double range) {
 }
 
 void add_multiplier_trims(const AnalogController& c, int index, std::vector<Trim>& out) {
-  if (index < 0) return;
   const auto i = static_cast<std::size_t>(index);
   const schematic::Multiplier& m = c.multipliers[i];
   if (m.z == "0") {
@@ -75,8 +74,7 @@ std::vector<Trim> trims_of(const AnalogController& controller) {
   add_part_trim(c, output.feedback, "generator gain", 0.05, out);
   add_part_trim(c, output.reference, "reference gain", 0.01, out);
   for (const controller::Pass& pass : c.passes) {
-    add_multiplier_trims(c, pass.square, out);
-    add_multiplier_trims(c, pass.cube, out);
+    for (const int power : pass.multipliers) add_multiplier_trims(c, power, out);
   }
   if (c.slope) add_part_trim(c, c.slope->gain, "rate gain", 0.05, out);
   return out;

@@ -4,7 +4,6 @@
 #include "schematic/writers/spice_library.hpp"
 #include "synthesis/controller/library.hpp"
 #include "synthesis/decks/compensator_files.hpp"
-#include "synthesis/generator/build.hpp"
 #include "synthesis/generator/files.hpp"
 #include "synthesis/realise.hpp"
 #include "synthesis/seed_sections.hpp"
@@ -38,10 +37,8 @@ TEST(SpiceRoundTrip, Compensator) {
 
 TEST(SpiceRoundTrip, Disturbance) {
   const generator::Layout layout = generator::make_layout(of_amplitudes());
-  expect_same_bytes(generator::disturbance_library(layout, "two branches"));
-  generator::DisturbanceLibrary all;
-  all.amplitude = true;
-  expect_same_bytes(generator::disturbance_library(layout, "amplitudes", all));
+  expect_same_bytes(generator::disturbance_library(*layout.of_full_strokes, "two branches"));
+  expect_same_bytes(generator::disturbance_library(layout, "amplitudes"));
   std::vector<generator::Polynomial> branches;
   for (int b = 1; b <= 5; ++b) branches.push_back({"b", {0.05 * b, -0.1, 0.02 * b}, {}});
   expect_same_bytes(

@@ -62,13 +62,13 @@ TEST(Layout, ExactPartsMakeThePolynomialExactly) {
                                         {0, 0, 0.4},
                                         {0.3, -0.2, 0.1, 0.2, -0.15, 0.05, 0.02}}) {
     const Layout layout = make_layout_of_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1}, {}}}, options);
-    for (int i = 0; i <= 10; ++i) EXPECT_NEAR(layout.branches[0].value(i / 10.0), horner(a, i / 10.0), 1e-12);
+    for (int i = 0; i <= 10; ++i) EXPECT_NEAR(layout.realised(0, i / 10.0), horner(a, i / 10.0), 1e-12);
   }
 }
 
 TEST(Layout, ABranchThatIsZeroGivesZero) {
   const Layout layout = make_layout_of_polynomials({{"up", {0.0, 0.0, 0.0}, {}}, {"down", {-0.2, 0.1}, {}}});
-  EXPECT_EQ(layout.branches[0].value(0.7), 0.0);
+  EXPECT_EQ(layout.realised(0, 0.7), 0.0);
 }
 
 TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
@@ -145,23 +145,49 @@ TEST(Layout, AmplitudeGainsFollowTheirTable) {
   const Layout layout = make_layout(d);
   ASSERT_TRUE(layout.amplitude.has_value());
   EXPECT_LT(layout.amplitude->max_error_percent, 0.15);
-  const GeneratorAtRest generator(layout, true);
+  const GeneratorAtRest generator(layout);
   for (const double alpha : {0.05, 0.1, 0.3, 0.62, 0.9, 1.0}) {
-    EXPECT_NEAR(generator.control_v(1, alpha) / layout.amplitude->control_scale_v,
-                // Below its first stroke the layout holds the gain.
-                d.amplitude.at(Disturbance::Branch::descending, std::max(alpha, 0.1)), 0.01)
+    // Below its first stroke the layout holds the gain.
+    const double gain = d.amplitude.at(Disturbance::Branch::descending, std::max(alpha, 0.1));
+    EXPECT_NEAR(generator.curve(1, {0.7}, alpha)[0], gain * d.value(Disturbance::Branch::descending, 0.7),
+                1e-3)
         << alpha;
-    EXPECT_LE(std::abs(generator.control_v(1, alpha)), 1.0);
+  }
+  // Whatever a multiplier reads or makes is within full scale.
+  for (const NodeRange& node : layout.nodes) {
+    for (const Multiplier& m : layout.multipliers) {
+      if (node.name != m.x && node.name != m.y && node.name != m.out) continue;
+      EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9) << node.name;
+    }
   }
   const Budget budget = make_budget(layout);
-  // Offset of a gain multiplier's output weighs U/(branch_gain control_scale) in d.
-  const double percent = 100.0 * budget.errors.output_offset_v * layout.multiplier.scale_v /
-                         (layout.branch_gain * layout.amplitude->control_scale_v);
-  const auto line = std::find_if(budget.amplitude_lines.begin(), budget.amplitude_lines.end(),
-                                 [](const BudgetLine& one) { return one.cause == "MV1, offset of W"; });
-  ASSERT_NE(line, budget.amplitude_lines.end());
-  EXPECT_NEAR(line->percent[0], percent, 1e-9);
-  EXPECT_GT(budget.amplitude_rss_percent[0], budget.rss_percent[0]);
+  // Offset of a gain multiplier's output weighs 1/branch_gain in d.
+  const auto line = std::find_if(budget.lines.begin(), budget.lines.end(),
+                                 [](const BudgetLine& one) { return one.cause == "Mha, offset of W"; });
+  ASSERT_NE(line, budget.lines.end());
+  EXPECT_NEAR(line->percent[0], 100.0 * budget.errors.output_offset_v / layout.branch_gain, 1e-7);
+  // What stands beside it for full strokes has no such multiplier.
+  ASSERT_NE(layout.of_full_strokes, nullptr);
+  EXPECT_EQ(layout.of_full_strokes->multipliers.size() + 2, layout.multipliers.size());
+}
+
+TEST(Layout, AmplitudeGainsThatVanishOrChangeTheirSignAreMadeByTheProductAlone) {
+  const std::vector<Polynomial> branches = {{"up", {0.3, -0.2, 0.1}, {0.0, 1.0}},
+                                            {"down", {-0.2, 0.2, 0.1}, {-0.2, 0.6}},
+                                            {"constant", {0.1, 0.1}, {0.5, 0.5}}};
+  const Layout layout = make_layout(Input{branches, {0.5, 1.0}});
+  EXPECT_EQ(layout.amplitude->multipliers.size(), 2u);
+  EXPECT_EQ(layout.amplitude->gains[0].direct, 0.0);
+  const GeneratorAtRest generator(layout);
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    for (const double alpha : {0.4, 0.5, 0.8, 1.0}) {
+      const double along = std::clamp((alpha - 0.5) / 0.5, 0.0, 1.0);
+      const std::vector<double>& gain = branches[b].amplitude;
+      EXPECT_NEAR(generator.curve(b, {0.6}, alpha)[0],
+                  (gain[0] + along * (gain[1] - gain[0])) * horner(branches[b].coefficients, 0.6), 1e-3)
+          << b << ", " << alpha;
+    }
+  }
 }
 
 TEST(Budget, CausesByHand) {
@@ -184,8 +210,8 @@ TEST(Budget, CausesByHand) {
   EXPECT_NEAR(w3[0], 100.0 * 0.01 * 0.2887 * 1.05 * 1.05, 1e-9);
   EXPECT_NEAR(w3[1], 100.0 * 0.01 * 0.156 * 1.05 * 1.05, 1e-9);
   // The output amplifier's offset comes with its noise gain.
-  EXPECT_NEAR(cause(budget, "output op-amp, offset")[0], 100.0 * 1e-3 * (1.0 + 1.0 / layout.branch_gain),
-              1e-9);
+  EXPECT_NEAR(cause(budget, "U3 (output amplifier), offset")[0],
+              100.0 * 1e-3 * (1.0 + 1.0 / layout.branch_gain), 1e-9);
   EXPECT_GE(budget.worst_percent[0], budget.rss_percent[0]);
   // In Horner's scheme the last product's offset is 10 mV/branch_gain of d.
   options.scheme = Scheme::named("horner");
@@ -212,7 +238,7 @@ TEST(LayoutSwitch, OneTimeConstantMakesBothDelays) {
 TEST(Timing, GlitchAndDetectorByHand) {
   const Layout layout = make_layout(seed_disturbance());
   const Timing timing = make_timing(layout, {Hertz{5000}});
-  const double swing = layout.opamp.swing_v;
+  const double swing = layout.fast_opamp.swing_v;
   const double rh1 = layout.part_named("Rh1")->realised, rh2 = layout.part_named("Rh2")->realised;
   EXPECT_NEAR(timing.detector.threshold_v, swing * rh1 / (rh1 + rh2), 1e-12);
   // An op-amp much faster than the gap shows the bare charge: Rg/Rin Q/C.
@@ -229,7 +255,7 @@ TEST(Timing, GlitchAndDetectorByHand) {
   EXPECT_NEAR(late.delay_s, *timing.detector.delays[0].triangle_s + layout.analog_switch.on_delay_s, 1e-12);
   const double moved = 2.0 * 5000.0 * late.delay_s;
   const auto apart = [&](double x) {
-    return 100.0 * std::abs(layout.branches[0].value(x) - layout.branches[1].value(x));
+    return 100.0 * std::abs(layout.realised(0, x) - layout.realised(1, x));
   };
   EXPECT_NEAR(late.step_percent, std::max(apart(moved), apart(1.0 - moved)), 1e-9);
 }

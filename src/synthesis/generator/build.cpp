@@ -9,7 +9,6 @@
 #include "base/text.hpp"
 #include "schematic/opamp_library.hpp"
 #include "schematic/plain_number.hpp"
-#include "synthesis/generator/budget.hpp"
 
 namespace bodesmith::generator {
 namespace {

@@ -49,7 +49,8 @@ TEST(LayoutCommand, BranchesSchemesAndAmplitudeGains) {
   const Node summary = parse_json(run.out, "stdout");
   EXPECT_EQ(summary.at("multipliers").size(), 5u);
   EXPECT_EQ(summary.at("switch").at("break_before_make_s").number(), 40e-9);
-  EXPECT_EQ(summary.at("amplitude").at("gain_multipliers").size(), 3u);
+  // Of the three gains one varies.
+  EXPECT_EQ(summary.at("amplitude").at("gain_multipliers").size(), 1u);
   EXPECT_NE(
       read_file(folder / "layout" / "disturbance.sub").find(".subckt disturbance x branch select1 out\n"),
       std::string::npos);

@@ -44,6 +44,34 @@ TEST(CircuitBoard, AChangedPartIsWhatSolvingAnewFinds) {
   }
 }
 
+// A floating input that takes a third of the board's input: as if a divider from there, which nothing loads, drove it.
+TEST(CircuitBoard, AnInputThatFollowsTheBoardsInputIsADividerFromThere) {
+  const synthesis::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid(12);
+  const CircuitBoard board = board_of(circuit, grid);
+  const auto resistor =
+      std::find_if(circuit.parts.begin(), circuit.parts.end(),
+                   [](const schematic::Part& part) { return part.kind == schematic::Part::Kind::resistor; });
+  for (std::size_t i = 0; i < circuit.opamps.size(); ++i) {
+    if (circuit.opamps[i].plus != "0") continue;
+    synthesis::Circuit changed = circuit;
+    changed.opamps[i].plus = "floating";
+    for (const auto& [to, ohm] : {std::pair{"in", 2000.0}, std::pair{"0", 1000.0}}) {
+      schematic::Part arm = *resistor;
+      arm.name += to;
+      arm.from = "floating";
+      arm.to = to;
+      arm.realised = ohm;
+      changed.parts.push_back(arm);
+    }
+    Effect effect;
+    effect.stamps = {board.plus_follows(i, "in", 1.0 / 3.0)};
+    expect_same(board.response(effect), solved(changed, grid));
+    effect.stamps = {board.plus_follows(i, "0", 1.0 / 3.0)};
+    expect_same(board.response(effect), solved(circuit, grid));
+  }
+}
+
 TEST(CircuitBoard, ThePrintedNetlistIsTheSameBoard) {
   const synthesis::Circuit circuit = small_circuit();
   const schematic::SpiceLibrary library = schematic::read_spice(

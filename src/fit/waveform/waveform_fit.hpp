@@ -43,7 +43,6 @@ struct WaveformFit {
   int starts_tried = 0;
   std::vector<std::string> warnings;
 
-  double value_percent(bool worst) const { return worst ? error.worst_percent : error.rms_percent; }
   Json report_json() const;
 };
 

@@ -59,7 +59,7 @@ class ExactPropagator {
 
   ModalSystem system_;
   double step_;
-  std::vector<double> pole_real_, pole_imag_;
+  std::vector<double> pole_real_;
   std::vector<Mode> state_;
   std::vector<Mode> amplitude_;                  // of each fast mode's exponential; 0 for slow ones
   std::vector<double> power_real_, power_imag_;  // exp(p step j), j = 0...7, a row a mode

@@ -10,9 +10,9 @@
 #include "gap/effect.hpp"
 #include "gap/evidence/posterior.hpp"
 #include "gap/evidence/score.hpp"
+#include "gap/made_model.hpp"
 #include "gap/model/model_fit.hpp"
 #include "gap/scene.hpp"
-#include "made_model.hpp"
 
 namespace evidence {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "gap/diagnosis.hpp"
-#include "made_model.hpp"
-#include "made_record.hpp"
+#include "gap/made_model.hpp"
+#include "gap/made_record.hpp"
 
 namespace laws {
 namespace {

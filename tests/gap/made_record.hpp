@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "made_model.hpp"
+#include "gap/made_model.hpp"
 #include "signal/time_record.hpp"
 #include "simulate/record/record_simulator.hpp"
 

@@ -9,10 +9,10 @@
 #include "gap/cases/time_base.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
+#include "gap/made_response.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
 #include "gap/search.hpp"
-#include "made_response.hpp"
 
 namespace {
 

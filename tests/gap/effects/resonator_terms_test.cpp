@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gap/diagnosis.hpp"
-#include "made_record.hpp"
+#include "gap/made_record.hpp"
 
 namespace bodesmith {
 namespace {

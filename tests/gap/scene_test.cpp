@@ -17,7 +17,7 @@ using namespace bodesmith;
 constexpr double kStaircaseStep = 4.4e-3;
 constexpr int kStaircaseSamples = 2400;
 
-chain::Chain line() {
+chain::Chain chain_of_a_line() {
   return chain::model_from_node(parse_toml(
       "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n",
       "model.toml"));
@@ -73,7 +73,8 @@ TEST(BeyondBand, isFilledWhereTheDriveIsSlow) {
 }
 
 TEST(BeyondBand, lagIsNoDelay) {
-  const auto d = gap::diagnose(line(), gap::Study::of({staircase(1)}, {staircase(2)}, line()), {});
+  const auto d =
+      gap::diagnose(chain_of_a_line(), gap::Study::of({staircase(1)}, {staircase(2)}, chain_of_a_line()), {});
   ASSERT_EQ(d.steps.size(), 2U);
   EXPECT_EQ(d.steps[0].effect, "resonance");
   EXPECT_EQ(d.steps[1].effect, "amplifier_pole");

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "gap/effect.hpp"
+#include "gap/made_response.hpp"
 #include "gap/scene.hpp"
 #include "gap/search.hpp"
-#include "made_response.hpp"
 
 namespace {
 

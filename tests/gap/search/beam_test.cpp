@@ -11,10 +11,10 @@
 
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
+#include "gap/made_model.hpp"
+#include "gap/made_record.hpp"
 #include "gap/scene.hpp"
 #include "gap/search/shortlist.hpp"
-#include "made_model.hpp"
-#include "made_record.hpp"
 
 namespace two_names {
 namespace {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "gap/diagnosis.hpp"
+#include "gap/made_response.hpp"
 #include "gap/records/response_weights.hpp"
-#include "made_response.hpp"
 #include "signal/statistics.hpp"
 
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gap/diagnosis.hpp"
-#include "made_model.hpp"
+#include "gap/made_model.hpp"
 
 namespace {
 

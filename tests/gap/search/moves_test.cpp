@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gap/diagnosis.hpp"
-#include "made_model.hpp"
+#include "gap/made_model.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace drag_and_delay {

@@ -10,9 +10,9 @@
 #include "gap/cases/time_base.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
+#include "gap/made_model.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
-#include "made_model.hpp"
 
 namespace {
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "gap/made_response.hpp"
 #include "gap/runner.hpp"
 #include "gap/search.hpp"
-#include "made_response.hpp"
 
 namespace {
 

@@ -11,9 +11,9 @@
 
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
+#include "gap/made_model.hpp"
+#include "gap/made_record.hpp"
 #include "gap/scene.hpp"
-#include "made_model.hpp"
-#include "made_record.hpp"
 
 namespace no_names {
 namespace {

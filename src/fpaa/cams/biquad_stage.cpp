@@ -11,14 +11,7 @@ namespace {
 class BiquadStage : public FilterCam {
  public:
   BiquadStage()
-      : FilterCam(
-            CamFacts{.name = "BiquadStage",
-                     .options = {"Low Q", "Low Q, C1 non-inverting", "High Q", "High Q, C1 non-inverting"},
-                     .parameters = {{"natural_hz"}, {"quality"}},
-                     .resources = Resources{.opamps = 2, .capacitors = 8},
-                     .transfer = "see filter_stage.hpp",
-                     .transfer_ground = Ground::derived,
-                     .limits = "not in AnadigmDesigner2's menu: by stream only"}) {}
+      : FilterCam(CamFacts{.name = "BiquadStage", .resources = Resources{.opamps = 2, .capacitors = 8}}) {}
 
   std::string assumption() const override {
     return "BiquadStage is the vendor's biquad (switches of its band-pass form) with all three inputs, by charge "

@@ -18,36 +18,25 @@ namespace bodesmith::fpaa {
 struct FilterStage;
 
 // A CAM goes through two types: what it is (Cam, one object each, in the registry) and what it is made of (PlacedCam:
-// capacitors, clock, place). Everything that is particular to one CAM stands in cams/<cam>.cpp.
-
-/// How well a fact about a CAM is founded.
-enum class Ground {
-  seen,     ///< read in public vendor-generated code
-  derived,  ///< follows from what was read
-  assumed,  ///< a standard circuit that fits what was read; plans that use it say so
-  unknown,  ///< not publicly known: parameters can be listed, nothing is computed
-};
+// capacitors, clock, place). Everything that is particular to one CAM stands in cams/<cam>.cpp; what is said there was "seen" in
+// public vendor-generated code, is "derived" from it, or is "assumed": a standard circuit that fits (plans that use it say so).
 
 /// One parameter of a CAM's dialog.
 struct CamParameter {
-  std::string_view key;         ///< in CamValues, ends in its unit
-  std::string_view words = {};  ///< in AnadigmDesigner2's dialogs and report; empty: not known
-  bool frequency = false;       ///< shown in kHz
+  std::string_view key;    ///< in CamValues, ends in its unit
+  std::string_view words;  ///< in AnadigmDesigner2's dialogs and report
+  bool frequency = false;  ///< shown in kHz
 };
 
 /// What the library knows of one CAM apart from what it computes.
 struct CamFacts {
-  std::string_view name;  ///< as AnadigmDesigner2 writes it
-  std::vector<std::string_view> options = {};
-  std::vector<CamParameter> parameters = {};
-  std::optional<Resources> resources = {};  ///< of the plainest option; absent: not publicly known
-  std::string_view transfer = {};           ///< in z, as text
-  Ground transfer_ground = Ground::unknown;
-  double delay_cycles = 0.0;       ///< of its latest input
+  std::string_view name;                      ///< as AnadigmDesigner2 writes it
+  std::vector<CamParameter> parameters = {};  ///< those with words of their own
+  std::optional<Resources> resources = {};    ///< of the plainest option; absent: not publicly known
+  double delay_cycles = 0.0;                  ///< of its latest input
   bool half_cycle_output = false;  ///< valid only during one phase: needs a Hold before a bypass output
   bool takes_half_cycle_anywhere = false;  ///< may read a half-cycle output of another chip or clock
   int clock_b_ratio = 0;                   ///< ClockB = ratio * ClockA; 0: no ClockB
-  std::string_view limits = {};
 };
 
 /// How the Zrna client places a CAM.
@@ -75,7 +64,7 @@ class Cam {
 
   std::string_view name() const { return facts_.name; }
   const CamFacts& facts() const { return facts_; }
-  /// Null for a key that is not one of its parameters.
+  /// Null for a key whose words are not known.
   const CamParameter* parameter(std::string_view key) const;
   /// With so many inputs; nothing where it is not publicly known.
   virtual std::optional<Resources> resources(std::size_t) const { return facts_.resources; }

@@ -3,16 +3,12 @@
 namespace bodesmith::fpaa {
 namespace {
 
+/// Logic: input above reference; hysteresis of 0 or 10 mV (seen).
 class ComparatorCam : public Cam {
  public:
   ComparatorCam()
       : Cam(CamFacts{.name = "Comparator",
-                     .options = {"Signal Ground", "Dual Input", "Variable Reference"},
-                     .parameters = {{"hysteresis_v"}},
-                     .resources = Resources{.opamps = 0, .capacitors = 0, .comparators = 1},
-                     .transfer = "logic: input above reference",
-                     .transfer_ground = Ground::seen,
-                     .limits = "hysteresis 0 or 0.01 V"}) {}
+                     .resources = Resources{.opamps = 0, .capacitors = 0, .comparators = 1}}) {}
 
   /// Input 1 against input 2, or against ground when there is none; it turns half the hysteresis beyond.
   CamStep step(const PlacedCam& cam) const override {

@@ -14,21 +14,14 @@ constexpr const char* kHighPass = "High Pass";
 class FilterBilinear : public FilterCam {
  public:
   FilterBilinear()
-      : FilterCam(CamFacts{
-            .name = "FilterBilinear",
-            .options = {kLowPass, kHighPass, "All Pass", kPoleAndZero},
-            .parameters = {{"corner_hz", "Corner Frequency", true},
-                           {"gain", "Gain"},
-                           {"pole_hz", "Pole Frequency", true},
-                           {"zero_hz", "Zero Frequency", true},
-                           {"dc_gain", "DC Gain"},
-                           {"high_frequency_gain", "High Frequency Gain"}},
-            .resources = Resources{.opamps = 1, .capacitors = 4},
-            .transfer =
-                "Low Pass: -Cin/(Cout + Cint(1 - 1/z)). Pole and Zero: -(Ca + Cb(1 - 1/z))/(Cc + Cd(1 - 1/z)). High "
-                "Pass: the same without Ca. All Pass: not made (it needs a zero in the right half plane)",
-            .transfer_ground = Ground::assumed,
-            .limits = "corners from fc/1605 to about fc/4; low pass and high pass take 3 capacitors"}) {}
+      : FilterCam(CamFacts{.name = "FilterBilinear",
+                           .parameters = {{"corner_hz", "Corner Frequency", true},
+                                          {"gain", "Gain"},
+                                          {"pole_hz", "Pole Frequency", true},
+                                          {"zero_hz", "Zero Frequency", true},
+                                          {"dc_gain", "DC Gain"},
+                                          {"high_frequency_gain", "High Frequency Gain"}},
+                           .resources = Resources{.opamps = 1, .capacitors = 4}}) {}
 
   std::string assumption() const override {
     return "FilterBilinear 'Pole and Zero' is taken to be H(z) = -(Ca + Cb(1 - 1/z))/(Cc + Cd(1 - 1/z)) with "

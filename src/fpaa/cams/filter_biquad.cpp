@@ -16,14 +16,10 @@ class FilterBiquad : public FilterCam {
  public:
   FilterBiquad()
       : FilterCam(CamFacts{.name = "FilterBiquad",
-                           .options = {"Low Pass", "Band Pass", "High Pass", "Pole and Zero"},
                            .parameters = {{"corner_hz", "Corner Frequency", true},
                                           {"quality", "Quality Factor"},
                                           {"gain", "Gain"}},
-                           .resources = Resources{.opamps = 2, .capacitors = 8},
-                           .transfer = "see filter_stage.hpp; Pole and Zero: not publicly known, not made",
-                           .transfer_ground = Ground::assumed,
-                           .limits = "CA and CB to 510 units, the others to 255"}) {}
+                           .resources = Resources{.opamps = 2, .capacitors = 8}}) {}
 
   /// CA and CB are two banks each.
   std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,

@@ -5,17 +5,13 @@ namespace {
 
 constexpr const char* kGainHalfNonInverting = "Non-inverting";
 
+/// -+Cin/Cout, back at ground in the other half cycle; not inverting it is half a cycle late (derived).
 class GainHalfCam : public Cam {
  public:
   GainHalfCam()
       : Cam(CamFacts{.name = "GainHalf",
-                     .options = {"Inverting", kGainHalfNonInverting},
-                     .parameters = {{"gain"}},
                      .resources = Resources{.opamps = 1, .capacitors = 2},
-                     .transfer = "-+Cin/Cout, output returns to ground in the other half cycle",
-                     .transfer_ground = Ground::derived,
-                     .half_cycle_output = true,
-                     .limits = "(1 + gain) fc <= 19.68 MHz; non-inverting: half a cycle late"}) {}
+                     .half_cycle_output = true}) {}
 
   std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
     return {DeltaTransfer{{(cam.option == kGainHalfNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}}};

@@ -8,20 +8,14 @@ namespace {
 
 constexpr const char* kGainHoldNonInverting = "Non-inverting";
 
+/// -+Cin/Cout, held for the whole period; not inverting it is half a cycle late (derived).
+///
 /// Not inverting and in phase 2 it is not quite held: while the third capacitor holds (phase 1), Cin already follows the input, so that
 /// the output moves by -Cin/255 of the input's next step, until phase 2 sets it. (In phase 1 the same input is still there; where it
 /// inverts, Cin is at ground then.)
 class GainHoldCam : public Cam {
  public:
-  GainHoldCam()
-      : Cam(CamFacts{
-            .name = "GainHold",
-            .options = {"Inverting", kGainHoldNonInverting},
-            .parameters = {{"gain"}},
-            .resources = Resources{.opamps = 1, .capacitors = 3},
-            .transfer = "-+Cin/Cout, output held for the whole period; non-inverting: half a cycle late",
-            .transfer_ground = Ground::derived,
-            .limits = "a third capacitor of 255 units holds"}) {}
+  GainHoldCam() : Cam(CamFacts{.name = "GainHold", .resources = Resources{.opamps = 1, .capacitors = 3}}) {}
 
   std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
     return {DeltaTransfer{{(cam.option == kGainHoldNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}}};

@@ -15,12 +15,7 @@ constexpr Resources kGainInvResources{.opamps = 1, .capacitors = 4};
 class GainInv : public Cam {
  public:
   GainInv()
-      : Cam(CamFacts{.name = "GainInv",
-                     .parameters = {{"gain", "Gain"}},
-                     .resources = kGainInvResources,
-                     .transfer = "-Cin/Cout",
-                     .transfer_ground = Ground::derived,
-                     .limits = "output valid the full cycle"}) {}
+      : Cam(CamFacts{.name = "GainInv", .parameters = {{"gain", "Gain"}}, .resources = kGainInvResources}) {}
 
   std::string note(const PlacedCam&) const override {
     return "GainInv is there to keep the total sign (every FilterBilinear inverts) or to carry gain.";

@@ -3,18 +3,10 @@
 namespace bodesmith::fpaa {
 namespace {
 
+/// Gain of the input that the comparator selects, a clock late (seen). Its capacitors are not publicly counted.
 class GainSwitchCam : public Cam {
  public:
-  GainSwitchCam()
-      : Cam(CamFacts{
-            .name = "GainSwitch",
-            .options = {"Ground", "Dual Input", "Variable Reference"},
-            .parameters = {{"gain_1"}, {"gain_2"}},
-            .transfer =
-                "gain of the input that the comparator selects; analogue output lags the control by one clock",
-            .transfer_ground = Ground::seen,
-            .delay_cycles = 1.0,
-            .limits = "capacitor count not publicly known; taken as a CAB of its own when placed"}) {}
+  GainSwitchCam() : Cam(CamFacts{.name = "GainSwitch", .delay_cycles = 1.0}) {}
 
   /// Inputs: first signal, second signal, control (high: the first).
   CamStep step(const PlacedCam& cam) const override {

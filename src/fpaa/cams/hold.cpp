@@ -3,16 +3,14 @@
 namespace bodesmith::fpaa {
 namespace {
 
+/// 1/z (seen). Two in series need opposite phases.
 class HoldCam : public Cam {
  public:
   HoldCam()
       : Cam(CamFacts{.name = "Hold",
                      .resources = Resources{.opamps = 1, .capacitors = 2},
-                     .transfer = "1/z",
-                     .transfer_ground = Ground::seen,
                      .delay_cycles = 1.0,
-                     .takes_half_cycle_anywhere = true,
-                     .limits = "two in series need opposite phases"}) {}
+                     .takes_half_cycle_anywhere = true}) {}
 
   /// It samples in the phase that is stated; the output is new in the other one.
   std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits&) const override {

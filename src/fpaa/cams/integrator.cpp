@@ -5,18 +5,11 @@ namespace {
 
 constexpr const char* kNonInverting = "Non-inverting";
 
+/// Inverting -(Cin/Cint)/(1 - 1/z), not inverting (Cin/Cint) z^-1/(1 - 1/z) (derived).
 class IntegratorCam : public Cam {
  public:
   IntegratorCam()
-      : Cam(CamFacts{
-            .name = "Integrator",
-            .options = {"Inverting", kNonInverting},
-            .parameters = {{"integration_constant_per_s"}},
-            .resources = Resources{.opamps = 1, .capacitors = 2},
-            .transfer =
-                "inverting -(Cin/Cint)/(1 - 1/z), non-inverting (Cin/Cint) z^-1/(1 - 1/z); constant fc Cin/Cint",
-            .transfer_ground = Ground::derived,
-            .limits = "constant fc/255 to 255 fc"}) {}
+      : Cam(CamFacts{.name = "Integrator", .resources = Resources{.opamps = 1, .capacitors = 2}}) {}
 
   std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
     if (cam.option == kNonInverting) return {DeltaTransfer{{c["Cin"], -c["Cin"]}, {0.0, c["Cint"]}}};

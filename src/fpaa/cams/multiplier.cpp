@@ -22,14 +22,9 @@ class MultiplierCam : public Cam {
  public:
   MultiplierCam()
       : Cam(CamFacts{.name = "Multiplier",
-                     .options = {"Sample and Hold Off", "Sample and Hold On"},
-                     .parameters = {{"scale_per_v"}},
                      .resources = Resources{.opamps = 1, .capacitors = 4, .comparators = 1, .sars = 1},
-                     .transfer = "scale X Y/z, Y converted to 8 bits over +-3 V",
-                     .transfer_ground = Ground::seen,
                      .delay_cycles = 1.0,
-                     .clock_b_ratio = 16,
-                     .limits = "scale 0.33 to 4; with sample and hold 6 capacitors and 2 op-amps"}) {}
+                     .clock_b_ratio = 16}) {}
 
   CamStep step(const PlacedCam& cam) const override {
     return [made = Multiplier{.scale_per_v = cam.requested.required_number("scale_per_v")}](

@@ -11,21 +11,14 @@ namespace bodesmith::fpaa {
 
 namespace {
 
+/// Sum of +-Ci/Cout Vi: inverting inputs without delay, the others z^-1/2; valid for half a cycle (seen).
 class SumDiffCam : public Cam {
  public:
   SumDiffCam()
-      : Cam(CamFacts{
-            .name = "SumDiff",
-            .options = {"2 inputs", "3 inputs", "4 inputs"},
-            .parameters = {{"gain_1"}, {"gain_2"}, {"gain_3"}, {"gain_4"}},
-            .resources = Resources{.opamps = 1, .capacitors = 3},
-            .transfer =
-                "sum of +-Ci/Cout Vi; inverting inputs without delay, the others z^-1/2; output valid for half a "
-                "cycle",
-            .transfer_ground = Ground::seen,
-            .delay_cycles = 0.5,  // of an input that does not invert
-            .half_cycle_output = true,
-            .limits = "one capacitor more for each further input"}) {}
+      : Cam(CamFacts{.name = "SumDiff",
+                     .resources = Resources{.opamps = 1, .capacitors = 3},
+                     .delay_cycles = 0.5,  // of an input that does not invert
+                     .half_cycle_output = true}) {}
 
   /// One capacitor an input and Cout.
   std::optional<Resources> resources(std::size_t inputs) const override {

@@ -7,13 +7,7 @@ namespace {
 ///   Vout = -(C1 V1 + C2 V2)/(Cout + Cint (1 - 1/z)). Four capacitors, one op-amp.
 class SumFilterCam : public Cam {
  public:
-  SumFilterCam()
-      : Cam(CamFacts{.name = "SumFilter",
-                     .parameters = {{"corner_hz"}, {"gain_1"}, {"gain_2"}},
-                     .resources = Resources{.opamps = 1, .capacitors = 4},
-                     .transfer = "-(C1 V1 + C2 V2)/(Cout + Cint(1 - 1/z))",
-                     .transfer_ground = Ground::assumed,
-                     .limits = "corner as the FilterBilinear low pass"}) {}
+  SumFilterCam() : Cam(CamFacts{.name = "SumFilter", .resources = Resources{.opamps = 1, .capacitors = 4}}) {}
 
   std::vector<DeltaTransfer> transfers(const PlacedCam&, const CapacitorUnits& c) const override {
     const std::vector<double> denominator{c["Cout"], c["Cint"]};

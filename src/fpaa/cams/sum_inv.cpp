@@ -11,24 +11,14 @@ namespace {
 class SumInv : public FilterCam {
  public:
   SumInv()
-      : FilterCam(
-            CamFacts{.name = "SumInv",
-                     .options = {"2 inputs", "3 inputs"},
-                     .parameters = {{"gain_1", "Gain 1"},
-                                    {"gain_2", "Gain 2"},
-                                    {"gain_3", "Gain 3"},
-                                    {"gain_4", "Gain 4"},
-                                    {"gain_5", "Gain 5"},
-                                    {"gain_6", "Gain 6"}},
-                     .resources = Resources{.opamps = 1, .capacitors = 6},
-                     .transfer = "sum of -(Cin_i + aCin_i(1 - 1/z))/(Cout + aCout(1 - 1/z)) V_i",
-                     .transfer_ground = Ground::derived,
-                     .limits = "two capacitors an input and two more; one less for an input without aCin"}) {}
-
-  /// As AnadigmDesigner2 makes it: two capacitors an input, two of feedback.
-  std::optional<Resources> resources(std::size_t inputs) const override {
-    return Resources{.opamps = 1, .capacitors = 2 * static_cast<int>(inputs) + 2};
-  }
+      : FilterCam(CamFacts{.name = "SumInv",
+                           .parameters = {{"gain_1", "Gain 1"},
+                                          {"gain_2", "Gain 2"},
+                                          {"gain_3", "Gain 3"},
+                                          {"gain_4", "Gain 4"},
+                                          {"gain_5", "Gain 5"},
+                                          {"gain_6", "Gain 6"}},
+                           .resources = Resources{.opamps = 1, .capacitors = 6}}) {}
 
   std::string assumption() const override {
     return "SumInv is the whole-period sum with a capacitor pair an input; where a plan leaves out a static "

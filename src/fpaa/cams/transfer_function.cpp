@@ -59,14 +59,10 @@ class TransferFunctionCam : public Cam {
   TransferFunctionCam()
       : Cam(CamFacts{
             .name = "TransferFunction",
-            .parameters = {{"table_v"}},
             .resources =
                 Resources{.opamps = 1, .capacitors = 5, .comparators = 1, .sars = 1, .lookup_tables = 1},
-            .transfer = "2 V (LUT[input] - 128)/Cout, 256 entries over -3 to +3 V, one cycle late",
-            .transfer_ground = Ground::seen,
             .delay_cycles = 1.0,
-            .clock_b_ratio = 16,
-            .limits = "one look-up table a chip"}) {}
+            .clock_b_ratio = 16}) {}
 
   CamStep step(const PlacedCam& cam) const override {
     return [table = LookupTable::from(cam.requested)](std::span<const double> inputs) {

@@ -21,12 +21,11 @@ Json parameter_rows(const PlacedCam& cam) {
     const auto requested = entry.number();
     if (!requested) continue;
     const CamParameter* parameter = cam.cam->parameter(entry.key);
-    const bool has_words = parameter != nullptr && !parameter->words.empty();
     const bool frequency = parameter != nullptr && parameter->frequency;
     const auto text = [&](double v) { return frequency ? in_khz(v) : rounded_text(v, 6); };
     // What to type is the realised value: the tool then has a set of capacitors that is exact.
     const double type = cam.realised.number(entry.key).value_or(*requested);
-    rows.push_back({{"words", has_words ? std::string(parameter->words) : entry.key},
+    rows.push_back({{"words", parameter != nullptr ? std::string(parameter->words) : entry.key},
                     {"requested", text(*requested)},
                     {"type", text(type)},
                     {"off", fmt::format("{:+.3f} %", 100.0 * (type / *requested - 1.0))}});

@@ -125,7 +125,7 @@ class CamComparison {
     for (const CamValues::Entry& entry : wanted_.realised.entries()) {
       const CamParameter* parameter = wanted_.cam->parameter(entry.key);
       const auto should = entry.number();
-      if (parameter == nullptr || parameter->words.empty() || !should) continue;
+      if (parameter == nullptr || !should) continue;
       number(parameter->words, *should, parameter->frequency);
     }
   }

@@ -54,7 +54,7 @@ Answer plan_streams(const Call& call) {
     for (const auto& [pin, cell] : o.at("pins").members()) cells[pin] = static_cast<int>(cell.integer(1, 7));
   }
   const Stopwatch watch;
-  const auto streams = value_or_throw(fpaa::an231::plan_streams(plan, {.cells = cells}));
+  const auto streams = value_or_throw(fpaa::an231::plan_streams(plan, cells));
   const double difference = fpaa::an231::check_streams(plan, streams);
   Answer out;
   out.result = fpaa::an231::stream_json(streams, difference);

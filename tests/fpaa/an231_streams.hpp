@@ -2,7 +2,7 @@
 
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/device/memory_image.hpp"
-#include "fpaa/streams/chip_layout.hpp"
+#include "fpaa/streams/plan_stream.hpp"
 
 namespace bodesmith::fpaa::an231 {
 
@@ -24,52 +24,53 @@ inline const Bytes& worked_example() {
   return bytes;
 }
 
-/// One stage of a CAM with these capacitors.
-inline StageSwitches switches_of(const char* cam_name, const char* option, std::vector<Capacitor> capacitors,
-                                 int phase = 1) {
+/// A CAM with these capacitors at Clock 0 = ACLK/64.
+inline PlacedCam cam_of(const char* cam_name, const char* option, std::vector<Capacitor> capacitors,
+                        int phase = 1) {
   PlacedCam cam;
   cam.cam = cam_registry().find(cam_name);
   cam.option = option;
+  cam.clock_a = {250e3};
   cam.capacitors = std::move(capacitors);
   cam.phase = phase;
-  return *cam.cam->switches(cam);
+  return cam;
 }
 
-/// A chain of stages from in1 to out1, two a CAB, at Clock 0 = ACLK/64.
-inline WantedChip chain_of(const std::vector<StageSwitches>& stages) {
-  WantedChip chip;
-  chip.clock_divisors = {{0, 64}};
-  chip.inputs = {"in1"};
-  for (std::size_t i = 0; i < stages.size(); ++i) {
-    WantedStage stage;
-    stage.name = "Stage" + std::to_string(i + 1);
-    stage.switches = stages[i];
-    stage.cab = static_cast<int>(i) / 2 + 1;
-    SignalRef from;
-    if (i == 0) {
-      from.pin = "in1";
-    } else {
-      from.stage = i - 1;
-    }
-    stage.inputs = {from};
-    chip.stages.push_back(stage);
+/// A chain from chip1.in1 to chip1.out1, two a CAB.
+inline Plan chain_of(const std::vector<PlacedCam>& cams) {
+  Plan plan;
+  ChipPlan& chip = plan.chips.emplace_back();
+  chip.master_clock = {16e6};
+  std::string from = "chip1.in1";
+  for (std::size_t i = 0; i < cams.size(); ++i) {
+    chip.cams.push_back(cams[i]);
+    chip.cams[i].name = "Stage" + std::to_string(i + 1);
+    chip.cams[i].cab = static_cast<int>(i) / 2 + 1;
+    const std::string to = "chip1." + chip.cams[i].name;
+    plan.wires.push_back({from, to});
+    from = to;
   }
-  chip.outputs = {{"out1", {stages.size() - 1, ""}}};
-  return chip;
+  plan.wires.push_back({from, "chip1.out1"});
+  return plan;
 }
 
 /// Pole-zero stages of four different capacitors each.
-inline std::vector<StageSwitches> pole_zero_stages(int count) {
-  std::vector<StageSwitches> out;
+inline std::vector<PlacedCam> pole_zero_stages(int count) {
+  std::vector<PlacedCam> out;
   for (int i = 0; i < count; ++i) {
-    out.push_back(switches_of("FilterBilinear", "Pole and Zero",
-                              {{"Ca", 3 + i}, {"Cb", 120 + 7 * i}, {"Cc", 2 + i}, {"Cd", 200 - 9 * i}}));
+    out.push_back(cam_of("FilterBilinear", "Pole and Zero",
+                         {{"Ca", 3 + i}, {"Cb", 120 + 7 * i}, {"Cc", 2 + i}, {"Cd", 200 - 9 * i}}));
   }
   return out;
 }
 
-inline BuiltChip built(const WantedChip& chip) {
-  return value_or_throw(build_chip(chip));
+struct BuiltChip {
+  MemoryImage memory;
+  PinCells pins;
+};
+inline BuiltChip built(const Plan& plan, const PinCells& cells = {}) {
+  const PlanStreams made = value_or_throw(plan_streams(plan, cells));
+  return {made.chips[0].memory, made.cells};
 }
 
 }  // namespace bodesmith::fpaa::an231

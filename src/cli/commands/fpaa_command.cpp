@@ -33,8 +33,8 @@ struct StreamArtefacts {
 };
 
 /// chip1.out1=IO3.
-std::map<std::string, int> chosen_cells(const CommandLine& line) {
-  std::map<std::string, int> out;
+fpaa::an231::PinCells chosen_cells(const CommandLine& line) {
+  fpaa::an231::PinCells out;
   for (const std::string& text : line.all<std::string>("pin")) {
     const std::size_t cut = text.find("=IO");
     const std::string cell = cut == std::string::npos ? "" : text.substr(cut + 3);
@@ -57,19 +57,14 @@ void add_stream_options(CommandLine& line) {
 /// Nothing without --stream. The plan learns which I/O cell is which pin. Throws DesignError when no stream can
 /// be made of it.
 std::optional<StreamArtefacts> make_streams(fpaa::Plan& plan, const CommandLine& line) {
-  const std::map<std::string, int> cells = chosen_cells(line);
+  const fpaa::an231::PinCells cells = chosen_cells(line);
   if (!line.has("stream")) {
     if (!cells.empty()) line.fail("--pin without --stream, expected both");
     return std::nullopt;
   }
-  const auto streams = value_or_throw(fpaa::an231::plan_streams(plan, {.cells = cells}));
+  const auto streams = value_or_throw(fpaa::an231::plan_streams(plan, cells));
   const double difference = fpaa::an231::check_streams(plan, streams);
-  for (const fpaa::an231::PlanStreams::Chip& made : streams.chips) {
-    for (fpaa::ChipPlan& chip : plan.chips) {
-      if (chip.chip != made.chip) continue;
-      for (const auto& [pin, cell] : made.built.pins) chip.pins[pin] = fmt::format("IO{}", cell);
-    }
-  }
+  for (fpaa::ChipPlan& chip : plan.chips) chip.pins = streams.pins_of(chip.chip);
   return StreamArtefacts{fpaa::an231::stream_files(plan, streams, "plan.json"),
                          fpaa::an231::stream_json(streams, difference),
                          fpaa::an231::first_power_on(plan, streams) + "\n"};

@@ -144,7 +144,7 @@ Json stream_json(const Outcome<fpaa::ControllerStreams>& streams) {
   if (const Refusal* refusal = refusal_of(streams)) return {{"why_not", refusal->reason}};
   const auto& made = std::get<fpaa::ControllerStreams>(streams);
   Json out = {{"status", fpaa::an231::kStreamStatus}, {"warnings", made.warnings}, {"gain_sets", made.sets}};
-  for (const auto& [pin, cell] : made.cells) out["pins"][pin] = cell;
+  for (const auto& [pin, cell] : made.cells) out["pins"][pin] = fmt::format("IO{}", cell);
   return out;
 }
 

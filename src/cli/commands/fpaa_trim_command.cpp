@@ -80,22 +80,6 @@ std::vector<std::complex<double>> wanted_response(const CommandLine& line, const
   return out;
 }
 
-/// The bytes that differ between two configurations, as updates of the chips.
-std::vector<fpaa::ConfigBlock> changed_blocks(const fpaa::MemoryImage& before,
-                                              const fpaa::MemoryImage& after) {
-  std::vector<fpaa::ConfigBlock> out;
-  int last = -2;
-  for (int at = 0; at < fpaa::MemoryImage::kBanks * fpaa::MemoryImage::kBankBytes; ++at) {
-    const int bank = at / fpaa::MemoryImage::kBankBytes;
-    const int byte = at % fpaa::MemoryImage::kBankBytes;
-    if (before.at(bank, byte) == after.at(bank, byte)) continue;
-    if (at != last + 1) out.push_back({bank, byte, {}});
-    out.back().data.push_back(after.at(bank, byte));
-    last = at;
-  }
-  return out;
-}
-
 /// For a board that runs the primary stream of `fpaa --stream`: the capacitors that changed.
 void add_updates_of_streams(const fpaa::Plan& before, const fpaa::Plan& after, OutputSet& out) {
   const auto old_streams = fpaa::an231::plan_streams(before);
@@ -108,14 +92,10 @@ void add_updates_of_streams(const fpaa::Plan& before, const fpaa::Plan& after, O
   }
   std::string packets;
   for (std::size_t c = 0; c < is->chips.size(); ++c) {
-    fpaa::ConfigStream stream;
-    stream.address1 = is->chips[c].chip;
-    stream.control = fpaa::ConfigStream::kEndExecute;
-    stream.blocks = changed_blocks(was->chips[c].built.memory, is->chips[c].built.memory);
-    stream.trailing_zeros = 1;
-    if (stream.blocks.empty()) continue;
-    const fpaa::Bytes bytes = fpaa::encode(stream);
-    out.add(fmt::format("update_chip{}.ahf", stream.address1), fpaa::to_ahf(bytes));
+    const auto changed = fpaa::changed_bytes(was->chips[c].memory, is->chips[c].memory);
+    if (changed.empty()) continue;
+    const fpaa::Bytes bytes = fpaa::encode(fpaa::update_of(is->chips[c].chip, changed));
+    out.add(fmt::format("update_chip{}.ahf", is->chips[c].chip), fpaa::to_ahf(bytes));
     packets += fpaa::to_packet(bytes, false);
   }
   if (!packets.empty()) out.add("packets.bin", packets);

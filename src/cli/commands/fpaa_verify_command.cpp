@@ -60,24 +60,18 @@ Band verify_band(const CommandLine& line, const VerifyReference& reference) {
   return band;
 }
 
-int chip_index(const fpaa::an231::BoardCircuit& board, const CommandLine& line, int address) {
-  for (std::size_t i = 0; i < board.chips.size(); ++i) {
-    if (board.chips[i].address1 == address) return static_cast<int>(i);
-  }
-  line.fail(fmt::format("there is no stream for chip {}", address));
-}
-
 void add_wires(const CommandLine& line, const VerifyReference& reference, fpaa::an231::BoardCircuit& board) {
-  if (reference.plan) {
-    board.links =
-        fpaa::an231::pin_links(*reference.plan, board.chips, fpaa::an231::plan_pins(*reference.plan));
-  }
+  if (reference.plan)
+    fpaa::an231::add_links(board, *reference.plan, fpaa::an231::plan_cells(*reference.plan));
   for (const std::string& wire : line.all<std::string>("wire")) {
     const std::size_t cut = wire.find('=');
     if (cut == std::string::npos) line.fail(fmt::format("--wire '{}', expected chip1.IO3=chip2.IO1", wire));
-    const BoardPin a = board_pin(line, wire.substr(0, cut));
-    const BoardPin b = board_pin(line, wire.substr(cut + 1));
-    board.links.push_back({chip_index(board, line, a.chip), a.cell, chip_index(board, line, b.chip), b.cell});
+    const fpaa::an231::PinLink link{board_pin(line, wire.substr(0, cut)),
+                                    board_pin(line, wire.substr(cut + 1))};
+    for (const int chip : {link.from.chip, link.to.chip}) {
+      if (!board.index_of(chip)) line.fail(fmt::format("there is no stream for chip {}", chip));
+    }
+    board.links.push_back(link);
   }
 }
 
@@ -88,21 +82,10 @@ fpaa::an231::SignalPins verified_pins(const CommandLine& line, const VerifyRefer
   const auto input = line.maybe<std::string>("input");
   const auto output = line.maybe<std::string>("output");
   if (reference.plan && !(input && output)) {
-    const auto ends = value_or_throw(fpaa::an231::end_pins(*reference.plan));
-    const auto cells = fpaa::an231::plan_pins(*reference.plan);
-    const auto find = [&](const std::string& pin) -> std::optional<BoardPin> {
-      for (const auto& [chip, of_chip] : cells) {
-        for (const auto& [name, cell] : of_chip) {
-          if (fmt::format("chip{}.{}", chip, name) == pin) return BoardPin{chip, cell};
-        }
-      }
-      return std::nullopt;
-    };
-    const auto from = find(ends.input);
-    const auto to = find(ends.output);
-    if (from && to) pins = {*from, *to};
+    if (const auto ends = fpaa::an231::end_pins(*reference.plan, fpaa::an231::plan_cells(*reference.plan)))
+      pins = *ends;
   }
-  if (pins.output.cell == pins.input.cell && pins.output.chip == pins.input.chip && !(input && output)) {
+  if (pins.output == pins.input && !(input && output)) {
     pins = value_or_throw(fpaa::an231::signal_pins(board));
   }
   if (input) pins.input = board_pin(line, *input);

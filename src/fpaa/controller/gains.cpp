@@ -20,15 +20,6 @@ namespace {
 
 using an231::PlanStreams;
 
-/// The bytes in which two configurations of a chip differ.
-void add_differences(const MemoryImage& one, const MemoryImage& other, std::map<MemoryPlace, int>& places) {
-  for (int bank = 0; bank < MemoryImage::kBanks; ++bank) {
-    for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) {
-      if (one.at(bank, byte) != other.at(bank, byte)) places[{bank, byte}] = 0;
-    }
-  }
-}
-
 /// What to do and to read when the board is switched on for the first time.
 std::string power_on_text(const ControllerVariant& variant, const Disturbance& disturbance,
                           const ControllerStreams& streams) {
@@ -42,9 +33,7 @@ std::string power_on_text(const ControllerVariant& variant, const Disturbance& d
                {"warnings", Json::array()}};
   const auto signals = pin_signals(variant);
   const auto cell_of = [&](const std::string& pin) {
-    const auto cell = streams.cells.find(pin);
-    return fmt::format("{} {}", pin.substr(0, pin.find('.')),
-                       cell == streams.cells.end() ? pin : cell->second);
+    return fmt::format("{} IO{}", pin.substr(0, pin.find('.')), streams.cells.at(pin));
   };
   std::map<std::string, std::string> wired;  // from chip to chip
   for (const Wire& wire : controller_plan(variant).wires) {
@@ -110,17 +99,16 @@ Outcome<ControllerStreams> controller_streams(const ControllerVariant& variant,
   ControllerStreams out;
   const PlanStreams& base = sets.front();
   out.warnings = base.warnings;
+  out.cells = base.cells;
   out.files = an231::configuration_files(base, "controller.json");
   out.sets = sets.size() > 1 ? sets.size() : 0;
   for (std::size_t c = 0; c < base.chips.size(); ++c) {
     const PlanStreams::Chip& chip = base.chips[c];
-    for (const auto& [pin, cell] : chip.built.pins)
-      out.cells[fmt::format("chip{}.{}", chip.chip, pin)] = fmt::format("IO{}", cell);
-    std::map<MemoryPlace, int> places;
-    for (const PlanStreams& set : sets) add_differences(chip.built.memory, set.chips[c].built.memory, places);
+    std::map<MemoryPlace, int> places;  // that differ in one of the sets
+    for (const PlanStreams& set : sets) places.merge(changed_bytes(chip.memory, set.chips[c].memory));
     if (places.empty()) continue;
     for (std::size_t i = 0; i < sets.size(); ++i) {
-      for (auto& [place, value] : places) value = sets[i].chips[c].built.memory.at(place.bank, place.byte);
+      for (auto& [place, value] : places) value = sets[i].chips[c].memory.at(place.bank, place.byte);
       const Bytes bytes = encode(update_of(chip.chip, places));
       out.files.add(fmt::format("updates/set{:03}_address{}.ahf", i, chip.chip), to_ahf(bytes));
       out.files.add(fmt::format("updates/set{:03}_address{}.bin", i, chip.chip), to_packet(bytes, false));

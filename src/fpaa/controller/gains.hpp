@@ -8,6 +8,7 @@
 #include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
 #include "fpaa/controller/controller.hpp"
+#include "fpaa/streams/plan_stream.hpp"
 #include "fpaa/gains/gain_schedule.hpp"
 
 namespace bodesmith::fpaa {
@@ -25,7 +26,7 @@ struct ControllerStreams {
   OutputSet
       files;  ///< chipN.ahf, primary.c, packets.bin; updates/setNNN_addressA.ahf and .bin (board packets)
   std::vector<std::string> warnings;
-  std::map<std::string, std::string> cells;  ///< "chip1.in1" -> "IO1"
+  an231::PinCells cells;
   std::size_t sets = 0;
 };
 /// Refused with the first CAM whose switches are not publicly known, or what does not fit.

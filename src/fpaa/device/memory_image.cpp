@@ -50,6 +50,16 @@ void MemoryImage::lay_over(const ConfigStream& stream, const std::string& file) 
   }
 }
 
+std::map<MemoryPlace, int> changed_bytes(const MemoryImage& from, const MemoryImage& to) {
+  std::map<MemoryPlace, int> out;
+  for (int bank = 0; bank < MemoryImage::kBanks; ++bank) {
+    for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) {
+      if (from.at(bank, byte) != to.at(bank, byte)) out[{bank, byte}] = to.at(bank, byte);
+    }
+  }
+  return out;
+}
+
 std::vector<ConfigBlock> sparse_blocks(const MemoryImage& memory) {
   const auto value = [&](int i) {
     return memory.at(i / MemoryImage::kBankBytes, i % MemoryImage::kBankBytes);

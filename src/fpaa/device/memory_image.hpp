@@ -31,6 +31,9 @@ class MemoryImage {
   std::array<std::uint8_t, kBytes> bytes_{};
 };
 
+/// The bytes that differ, and what the second image has there.
+std::map<MemoryPlace, int> changed_bytes(const MemoryImage& from, const MemoryImage& to);
+
 /// Which bytes a primary stream writes.
 enum class StreamForm {
   sparse,  ///< the vendor's C arrays: only what is not zero, no dummies

@@ -47,14 +47,13 @@ struct LinkedSource {
 LinkedSource behind_wires(const BoardCircuit& board, const BoardNode& node) {
   LinkedSource out{node};
   for (int i = 0; i < kMostLinks && out.node.node.kind == Kind::pin; ++i) {
-    const auto link = std::find_if(board.links.begin(), board.links.end(), [&](const PinLink& l) {
-      return static_cast<std::size_t>(l.to_chip) == out.node.chip && l.to_cell == out.node.node.number;
-    });
+    const BoardPin pin{board.chips[out.node.chip].address1, out.node.node.number};
+    const auto link = std::ranges::find(board.links, pin, &PinLink::to);
     if (link == board.links.end()) break;
-    const auto from = static_cast<std::size_t>(link->from_chip);
-    const IoCell& source = board.chips[from].cell(link->from_cell);
+    const std::size_t from = board.index_of(link->from.chip).value();
+    const IoCell& source = board.chips[from].cell(link->from.cell);
     // From an output cell what drives it; from an input cell the wire that feeds it.
-    out.node = {from, source.is_output() ? source.source : CircuitNode{Kind::pin, 0, link->from_cell}};
+    out.node = {from, source.is_output() ? source.source : CircuitNode{Kind::pin, 0, link->from.cell}};
     if (source.is_output()) out.sample(board.chips[from], source);
   }
   return out;
@@ -451,37 +450,32 @@ StageTransfer stage_of(const BoardCircuit& board, const BoardNode& amp) {
 
 }  // namespace
 
+std::optional<std::size_t> BoardCircuit::index_of(int address1) const {
+  const auto at = std::ranges::find(chips, address1, &ChipCircuit::address1);
+  return at == chips.end() ? std::nullopt : std::optional(static_cast<std::size_t>(at - chips.begin()));
+}
+
 Outcome<PeriodicNetworks> pin_networks(const BoardCircuit& board, BoardPin from, BoardPin to) {
-  const auto index_of = [&](int address) {
-    return static_cast<std::size_t>(
-        std::find_if(board.chips.begin(), board.chips.end(),
-                     [&](const ChipCircuit& c) { return c.address1 == address; }) -
-        board.chips.begin());
-  };
-  const std::size_t first = index_of(from.chip);
-  const std::size_t last = index_of(to.chip);
-  if (first == board.chips.size() || last == board.chips.size())
-    return Refusal{"there is no stream for one of the chips"};
-  const IoCell& cell = board.chips[last].cell(to.cell);
+  const auto first = board.index_of(from.chip);
+  const auto last = board.index_of(to.chip);
+  if (!first || !last) return Refusal{"there is no stream for one of the chips"};
+  const IoCell& cell = board.chips[*last].cell(to.cell);
   if (!cell.is_output()) return Refusal{fmt::format("chip{}.IO{} is no output", to.chip, to.cell)};
-  return PinNetworks(board, {first, {Kind::pin, 0, from.cell}}).to(last, cell);
+  return PinNetworks(board, {*first, {Kind::pin, 0, from.cell}}).to(*last, cell);
 }
 
 Outcome<SignalPins> signal_pins(const BoardCircuit& board) {
   std::vector<BoardPin> inputs;
   std::vector<BoardPin> outputs;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < board.chips.size(); ++i) {
-    const ChipCircuit& chip = board.chips[i];
+  for (const ChipCircuit& chip : board.chips) {
     for (const IoCell& cell : chip.cells) {
+      const BoardPin pin{chip.address1, cell.number};
       const bool wired = std::any_of(board.links.begin(), board.links.end(), [&](const PinLink& l) {
-        const bool from =
-            static_cast<std::size_t>(l.from_chip) == i && l.from_cell == cell.number && cell.is_output();
-        const bool to = static_cast<std::size_t>(l.to_chip) == i && l.to_cell == cell.number;
-        return from || to;
+        return l.to == pin || (l.from == pin && cell.is_output());
       });
       if (wired || (!cell.is_input() && !cell.is_output())) continue;
-      (cell.is_input() ? inputs : outputs).push_back({chip.address1, cell.number});
+      (cell.is_input() ? inputs : outputs).push_back(pin);
       names.push_back(fmt::format("chip{}.IO{} ({})", chip.address1, cell.number, to_string(cell.mode)));
     }
   }

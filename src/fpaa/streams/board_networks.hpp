@@ -12,13 +12,17 @@ namespace bodesmith::fpaa::an231 {
 
 using Complex = std::complex<double>;
 
+/// A pin of a chip, as a person names it.
+struct BoardPin {
+  int chip = 1;  ///< Address1
+  int cell = 1;
+  friend bool operator==(const BoardPin&, const BoardPin&) = default;
+};
+
 /// A wire outside the chips, from an output cell to an input cell, or from one input cell to another (both then
 /// have the same signal).
 struct PinLink {
-  int from_chip = 0;  ///< index into the chips
-  int from_cell = 1;
-  int to_chip = 0;
-  int to_cell = 1;
+  BoardPin from, to;
 };
 
 /// The chips of a board and what is wired between them.
@@ -26,6 +30,9 @@ struct BoardCircuit {
   Hertz master{16e6};
   std::vector<ChipCircuit> chips;
   std::vector<PinLink> links;
+
+  /// Of the chip with this Address1.
+  std::optional<std::size_t> index_of(int address1) const;
 };
 
 /// A node of one of the chips.
@@ -33,12 +40,6 @@ struct BoardNode {
   std::size_t chip = 0;
   CircuitNode node;
   friend bool operator==(const BoardNode&, const BoardNode&) = default;
-};
-
-/// A pin of a chip, as a person names it.
-struct BoardPin {
-  int chip = 1;  ///< Address1
-  int cell = 1;
 };
 
 /// What the bytes make between two pins: every op-amp on the way with its capacitors and switches as the memory has

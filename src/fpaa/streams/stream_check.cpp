@@ -34,13 +34,12 @@ Outcome<PlanError> stream_error(const BoardCircuit& board, const SignalPins& pin
   return plan_error(grid, got, wanted, band);
 }
 
-std::map<int, std::map<std::string, int>> plan_pins(const Plan& plan) {
-  std::map<int, std::map<std::string, int>> out;
+PinCells plan_cells(const Plan& plan) {
+  PinCells out;
   for (const ChipPlan& chip : plan.chips) {
     for (const auto& [pin, cell] : chip.pins) {
-      if (cell.size() == 3 && cell.compare(0, 2, "IO") == 0 && cell[2] >= '1' && cell[2] <= '7') {
-        out[chip.chip][pin] = cell[2] - '0';
-      }
+      if (cell.size() == 3 && cell.compare(0, 2, "IO") == 0 && cell[2] >= '1' && cell[2] <= '7')
+        out[fmt::format("chip{}.{}", chip.chip, pin)] = cell[2] - '0';
     }
   }
   return out;
@@ -69,28 +68,20 @@ std::string address_text(Address at) {
 }
 
 Outcome<std::vector<std::string>> memory_differences(const Plan& plan, const std::vector<ChipImage>& chips) {
-  PlanStreamOptions options;
-  for (const auto& [chip, pins] : plan_pins(plan)) {
-    for (const auto& [pin, cell] : pins) options.cells[fmt::format("chip{}.{}", chip, pin)] = cell;
-  }
-  const auto made = plan_streams(plan, options);
+  const auto made = plan_streams(plan, plan_cells(plan));
   if (const Refusal* refusal = refusal_of(made)) return *refusal;
   std::vector<std::string> out;
   for (const PlanStreams::Chip& wanted : std::get<PlanStreams>(made).chips) {
-    const auto chip = std::find_if(chips.begin(), chips.end(),
-                                   [&](const ChipImage& c) { return c.address1 == wanted.chip; });
+    const auto chip = std::ranges::find(chips, wanted.chip, &ChipImage::address1);
     if (chip == chips.end()) {
       out.push_back(fmt::format("there is no stream for chip {}", wanted.chip));
       continue;
     }
-    for (int bank = 0; bank < MemoryImage::kBanks; ++bank) {
-      for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) {
-        const int is = chip->memory.at(bank, byte);
-        const int should = wanted.built.memory.at(bank, byte);
-        if (is == should || out.size() >= kMostDifferences) continue;
-        out.push_back(fmt::format("chip {} bank {} byte {}: is {:02X}, the plan has {:02X} ({})", wanted.chip,
-                                  bank, byte, is, should, address_text({bank, byte})));
-      }
+    for (const auto& [at, should] : changed_bytes(chip->memory, wanted.memory)) {
+      if (out.size() >= kMostDifferences) break;
+      out.push_back(fmt::format("chip {} bank {} byte {}: is {:02X}, the plan has {:02X} ({})", wanted.chip,
+                                at.bank, at.byte, chip->memory.at(at.bank, at.byte), should,
+                                address_text(at)));
     }
   }
   return out;

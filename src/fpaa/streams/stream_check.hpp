@@ -17,8 +17,8 @@ using WantedResponse = std::function<std::complex<double>(RadPerSecond)>;
 Outcome<PlanError> stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
                                 const WantedResponse& wanted);
 
-/// The I/O cells that a plan with a stream names for its pins: plan's chip -> pin -> cell.
-std::map<int, std::map<std::string, int>> plan_pins(const Plan& plan);
+/// The I/O cells that a plan with a stream names for its pins.
+PinCells plan_cells(const Plan& plan);
 
 /// Byte by byte: a chip's memory against the stream that the plan itself makes (with the plan's own pins), one
 /// line a byte ("chip 1 bank 3 byte 5: 08, the plan has 0C (C3 of CAB 1)"). Refused when the plan makes none.

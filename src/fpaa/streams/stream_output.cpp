@@ -23,19 +23,15 @@ constexpr int kToneCount = 5;
 constexpr double kLargestTone = 0.5;  ///< V
 constexpr double kToneShare = 0.25;   ///< of the largest input
 
-BoardPin board_pin(const PlanStreams& streams, const std::string& plan_pin) {
-  const WireEnd end(plan_pin);
-  for (const PlanStreams::Chip& chip : streams.chips) {
-    const auto cell = chip.built.pins.find(end.name);
-    if (chip.chip == end.chip && cell != chip.built.pins.end()) return {chip.chip, cell->second};
-  }
-  throw DesignError(fmt::format("{} is on no I/O cell", plan_pin));
+SignalPins ends_of(const Plan& plan, const PlanStreams& streams) {
+  const auto ends = end_pins(plan, streams.cells);
+  if (!ends) throw DesignError("the plan's wires lead from no input pin to an output pin");
+  return *ends;
 }
 
 PeriodicNetworks read_back_networks(const Plan& plan, const PlanStreams& streams) {
-  const EndPins ends = value_or_throw(end_pins(plan));
-  return value_or_throw(pin_networks(read_back(plan, streams), board_pin(streams, ends.input),
-                                     board_pin(streams, ends.output)));
+  const SignalPins ends = ends_of(plan, streams);
+  return value_or_throw(pin_networks(read_back(plan, streams), ends.input, ends.output));
 }
 
 /// Two digits are enough to set a generator.
@@ -44,18 +40,14 @@ double round_tone(double hz) {
   return std::round(hz / step) * step;
 }
 
-std::string cell_text(const PlanStreams& streams, const std::string& plan_pin) {
-  const BoardPin pin = board_pin(streams, plan_pin);
+std::string cell_text(const BoardPin& pin) {
   return fmt::format("chip {} IO{}", pin.chip, pin.cell);
 }
 
-Json wires_outside(const Plan& plan, const PlanStreams& streams) {
+Json wires_outside(const BoardCircuit& board) {
   Json out = Json::array();
-  for (const Wire& wire : plan.wires) {
-    const WireEnd from(wire.from);
-    if ((from.is_input_pin() || from.is_output_pin()) && WireEnd(wire.to).is_input_pin())
-      out.push_back({{"from", cell_text(streams, wire.from)}, {"to", cell_text(streams, wire.to)}});
-  }
+  for (const PinLink& link : board.links)
+    out.push_back({{"from", cell_text(link.from)}, {"to", cell_text(link.to)}});
   return out;
 }
 
@@ -63,7 +55,7 @@ Json wires_outside(const Plan& plan, const PlanStreams& streams) {
 
 double check_streams(const Plan& plan, const PlanStreams& streams) {
   for (const PlanStreams::Chip& chip : streams.chips) {
-    const ChipCircuit circuit = read_circuit(chip.built.memory, chip.chip);
+    const ChipCircuit circuit = read_circuit(chip.memory, chip.chip);
     if (!circuit.problems.empty()) {
       throw DesignError(fmt::format("chip {}: {}", chip.chip, circuit.problems.front()));
     }
@@ -85,19 +77,19 @@ double check_streams(const Plan& plan, const PlanStreams& streams) {
 }
 
 std::string first_power_on(const Plan& plan, const PlanStreams& streams) {
-  const EndPins ends = value_or_throw(end_pins(plan));
+  const SignalPins ends = ends_of(plan, streams);
   const PeriodicNetworks runs = read_back_networks(plan, streams);
   const double limit = plan.max_input_v > 0.0 ? plan.max_input_v : 3.0;
   const double tone = std::min(kLargestTone, kToneShare * limit);
   Json data;
   data["status"] = kStreamStatus;
-  data["input"] = cell_text(streams, ends.input);
-  data["output"] = cell_text(streams, ends.output);
+  data["input"] = cell_text(ends.input);
+  data["output"] = cell_text(ends.output);
   data["tone_v"] = rounded_text(tone, 2);
   data["limit_v"] = rounded_text(limit, 3);
   data["chips"] = streams.chips.size();
   data["many"] = streams.chips.size() > 1;
-  data["wires"] = wires_outside(plan, streams);
+  data["wires"] = wires_outside(read_back(plan, streams));
   data["readings"] = Json::array();
   for (const Hertz f : log_grid(plan.error.band, kToneCount)) {
     const double hz = round_tone(f.value);
@@ -127,14 +119,12 @@ OutputSet configuration_files(const PlanStreams& streams, const std::string& pla
   std::string packets;
   for (std::size_t i = 0; i < streams.chips.size(); ++i) {
     const PlanStreams::Chip& chip = streams.chips[i];
-    ConfigStream sparse = primary_stream(chip.built.memory, chip.chip, StreamForm::sparse);
+    ConfigStream sparse = primary_stream(chip.memory, chip.chip, StreamForm::sparse);
     const Bytes bytes = encode(sparse);
     out.add(fmt::format("chip{}.ahf", chip.chip),
-            to_ahf(encode(primary_stream(chip.built.memory, chip.chip, StreamForm::whole))));
+            to_ahf(encode(primary_stream(chip.memory, chip.chip, StreamForm::whole))));
     Json pins = Json::array();
-    for (const auto& [pin, cell] : chip.built.pins) {
-      pins.push_back({{"pin", pin}, {"cell", fmt::format("IO{}", cell)}});
-    }
+    for (const auto& [pin, cell] : streams.pins_of(chip.chip)) pins.push_back({{"pin", pin}, {"cell", cell}});
     data["arrays"].push_back({{"chip", chip.chip},
                               {"name", fmt::format("primary_chip{}", chip.chip)},
                               {"count", bytes.size()},
@@ -163,16 +153,14 @@ Json stream_json(const PlanStreams& streams, double difference_percent) {
   out["largest_difference_percent"] = difference_percent;
   out["chips"] = Json::array();
   for (const PlanStreams::Chip& chip : streams.chips) {
-    Json pins = Json::object();
-    for (const auto& [pin, cell] : chip.built.pins) pins[pin] = fmt::format("IO{}", cell);
     const auto size = [&](StreamForm form) {
-      return encode(primary_stream(chip.built.memory, chip.chip, form)).size();
+      return encode(primary_stream(chip.memory, chip.chip, form)).size();
     };
     out["chips"].push_back({{"chip", chip.chip},
                             {"address1", chip.chip},
                             {"c_array_bytes", size(StreamForm::sparse)},
                             {"ahf_bytes", size(StreamForm::whole)},
-                            {"pins", std::move(pins)}});
+                            {"pins", streams.pins_of(chip.chip)}});
   }
   out["constants"] = Json::array();
   for (const Constant& c : kConstants) {

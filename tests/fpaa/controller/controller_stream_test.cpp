@@ -42,10 +42,10 @@ TEST(ControllerStreams, BytesMakeTheWeights) {
   const an231::PlanStreams streams = value_or_throw(an231::plan_streams(plan));
   ASSERT_EQ(streams.chips.size(), 1u);
   const an231::BoardCircuit board = an231::read_back(plan, streams);
-  const auto& pins = streams.chips[0].built.pins;
+  const auto& pins = streams.cells;
   const auto cell = [&](const std::string& signal) -> int {
     for (const auto& [pin, name] : pin_signals(v)) {
-      if (name == signal) return pins.at(pin.substr(pin.find('.') + 1));
+      if (name == signal) return pins.at(pin);
     }
     return 0;
   };
@@ -120,7 +120,7 @@ TEST(ControllerStreams, LookupTablesAreThePublicStreamsBytes) {
                                     {10, 0x1F, 0x10}, {1, 0x05, 0x02},  {1, 0x10, 0x09},  {1, 0x11, 0x86},
                                     {1, 0x12, 0xC0},  {1, 0x13, 0x30},  {1, 0x15, 0x02},  {0, 0x08, 0x31}};
   for (std::size_t c = 0; c < 2; ++c) {
-    const MemoryImage& memory = streams.chips[c].built.memory;
+    const MemoryImage& memory = streams.chips[c].memory;
     for (const Byte& b : vendor) EXPECT_EQ(memory.at(b.bank, b.byte), b.value) << b.bank << ":" << b.byte;
     const ControllerCam& cam = *v.find(c == 0 ? "AscendingTable" : "DescendingTable");
     const LookupTable table = LookupTable::from(cam.requested);

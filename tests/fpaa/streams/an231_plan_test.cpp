@@ -81,7 +81,7 @@ TEST(An231Plan, TheSeedsPlanFitsOneChipAndDoesWhatItSays) {
   EXPECT_LT(check_streams(plan, streams), 1e-7);
   // 2 kHz needs a system divisor, which no public stream has.
   EXPECT_THAT(streams.warnings.front(), HasSubstr("No public stream does that"));
-  const MemoryImage& memory = streams.chips[0].built.memory;
+  const MemoryImage& memory = streams.chips[0].memory;
   EXPECT_EQ(memory.at(0, 0x09), memory.at(0, 0x0A));
   EXPECT_NE(memory.at(0, 0x09), 0);
 }
@@ -122,14 +122,14 @@ TEST(An231Plan, AWrongUnitIsSeenByBytesAndResponse) {
   const Plan plan = parallel_plan();
   PlanStreams streams = value_or_throw(plan_streams(plan));
   std::vector<ChipImage> chips;
-  for (const auto& chip : streams.chips) chips.push_back({chip.chip, chip.built.memory, {}});
+  for (const auto& chip : streams.chips) chips.push_back({chip.chip, chip.memory, {}});
   EXPECT_THAT(value_or_throw(memory_differences(plan, chips)), IsEmpty());
   const int was = chips[0].memory.at(3, 7);
   chips[0].memory.set(3, 7, was + 1);
   const auto differences = value_or_throw(memory_differences(plan, chips));
   ASSERT_EQ(differences.size(), 1u);
   EXPECT_THAT(differences[0], HasSubstr("C1 of CAB 1"));
-  streams.chips[0].built.memory.set(3, 7, was + 1);
+  streams.chips[0].memory.set(3, 7, was + 1);
   EXPECT_THROW(check_streams(plan, streams), DesignError);
 }
 

@@ -57,17 +57,17 @@ Complex pole_zero_chain(int stages, double hz) {
   return followed(h, d1, d2, hz, 250e3);
 }
 
-std::string refusal_text(const WantedChip& chip) {
-  const auto outcome = build_chip(chip);
+std::string refusal_text(const Plan& plan, const PinCells& cells = {}) {
+  const auto outcome = plan_streams(plan, cells);
   const Refusal* refusal = refusal_of(outcome);
   return refusal == nullptr ? "" : refusal->reason;
 }
 
 TEST(An231Stream, WorkedExampleIsMadeByteForByte) {
-  const BuiltChip chip = built(
-      chain_of({switches_of("FilterBilinear", "Low Pass", {{"Cin", 12}, {"Cout", 12}, {"Cint", 185}})}));
-  EXPECT_EQ(chip.pins.at("in1"), 1);
-  EXPECT_EQ(chip.pins.at("out1"), 3);
+  const BuiltChip chip =
+      built(chain_of({cam_of("FilterBilinear", "Low Pass", {{"Cin", 12}, {"Cout", 12}, {"Cint", 185}})}));
+  EXPECT_EQ(chip.pins.at("chip1.in1"), 1);
+  EXPECT_EQ(chip.pins.at("chip1.out1"), 3);
   EXPECT_EQ(encode(primary_stream(chip.memory, 1, StreamForm::sparse)), worked_example());
   const Bytes whole = encode(primary_stream(chip.memory, 1, StreamForm::whole));
   EXPECT_EQ(whole.size(), 801u);
@@ -148,7 +148,7 @@ TEST(An231Stream, RecipesAsInTheFacts) {
 TEST(An231Stream, HoldsDelayAndHalfPeriodOutputsAreSampled) {
   // Gain and hold in phase 1: the sample of a period before.
   const BuiltChip held =
-      built(chain_of({switches_of("GainInv", "", {{"Cin", 3}, {"Cout", 2}}), switches_of("Hold", "", {})}));
+      built(chain_of({cam_of("GainInv", "", {{"Cin", 3}, {"Cout", 2}}), cam_of("Hold", "", {})}));
   const std::vector<StageTransfer> made = stage_transfers(board_of(held.memory));
   ASSERT_EQ(made.size(), 2u);
   EXPECT_THAT(made[0].numerators[0], ElementsAre(-3));
@@ -158,11 +158,12 @@ TEST(An231Stream, HoldsDelayAndHalfPeriodOutputsAreSampled) {
   // Sampled at the end of phase 1, shown for a period from then on: the middle of it is half a period later.
   const double turn = M_PI * 5e3 / 250e3;
   const Complex wanted = -1.5 * std::sin(turn) / turn * std::polar(1.0, -turn);
-  EXPECT_LT(std::abs(gain_between(board_of(held.memory), 1, held.pins.at("out1"), 5e3) - wanted), 1e-12);
+  EXPECT_LT(std::abs(gain_between(board_of(held.memory), 1, held.pins.at("chip1.out1"), 5e3) - wanted),
+            1e-12);
 
-  const BuiltChip half = built(chain_of({switches_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}})}));
+  const BuiltChip half = built(chain_of({cam_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}})}));
   const ChipCircuit chip = read_circuit(half.memory, 1);
-  const IoCell& out = chip.cell(half.pins.at("out1"));
+  const IoCell& out = chip.cell(half.pins.at("chip1.out1"));
   EXPECT_EQ(out.mode, IoCell::Mode::sampled_output);
   EXPECT_EQ(out.sample_phase, 1);
   EXPECT_EQ(half.memory.at(kIoBank, 0x0C), 0x46);  // IO3 samples by Clock 0 in phase 1
@@ -174,30 +175,29 @@ TEST(An231Stream, HoldsDelayAndHalfPeriodOutputsAreSampled) {
 
   // It never feeds a static branch.
   auto stages = pole_zero_stages(1);
-  stages.insert(stages.begin(), switches_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}}));
+  stages.insert(stages.begin(), cam_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}}));
   EXPECT_THAT(refusal_text(chain_of(stages)), HasSubstr("static branch"));
   // A hold that samples in the other phase reads zero.
-  EXPECT_THAT(refusal_text(chain_of(
-                  {switches_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}}), switches_of("Hold", "", {}, 2)})),
-              HasSubstr("valid in phase 1"));
+  EXPECT_THAT(
+      refusal_text(chain_of({cam_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}}), cam_of("Hold", "", {}, 2)})),
+      HasSubstr("valid in phase 1"));
   // With a hold of its own phase all is well.
-  const BuiltChip good = built(chain_of({switches_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}}),
-                                         switches_of("Hold", "", {}), pole_zero_stages(1)[0]}));
+  const BuiltChip good = built(chain_of(
+      {cam_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}}), cam_of("Hold", "", {}), pole_zero_stages(1)[0]}));
   EXPECT_THAT(read_circuit(good.memory, 1).problems, IsEmpty());
 }
 
 TEST(An231Stream, WhatCannotBePlacedIsRefused) {
   auto chip = chain_of(pole_zero_stages(3));
-  chip.stages[2].cab = 1;
+  chip.chips[0].cams[2].cab = 1;
   EXPECT_THAT(refusal_text(chip), HasSubstr("3 op-amps"));
-  chip = chain_of({switches_of("FilterBilinear", "Low Pass", {{"Cin", 12}, {"Cout", 0}, {"Cint", 185}})});
-  EXPECT_THAT(refusal_text(chip), HasSubstr("capacitor Cout of Stage1 is 0 units"));
+  chip = chain_of({cam_of("FilterBilinear", "Low Pass", {{"Cin", 12}, {"Cout", 0}, {"Cint", 185}})});
+  EXPECT_THAT(refusal_text(chip), HasSubstr("capacitor Cout of chip1.Stage1 is 0 units"));
   chip = chain_of(pole_zero_stages(2));
-  chip.cells = {{"in1", 3}, {"out1", 3}};
-  EXPECT_THAT(refusal_text(chip), HasSubstr("no choice of I/O cells"));
+  EXPECT_THAT(refusal_text(chip, {{"chip1.in1", 3}, {"chip1.out1", 3}}), HasSubstr("no choice of I/O cells"));
   chip = chain_of(pole_zero_stages(4));
-  chip.stages[1].clock = 1;
-  chip.clock_divisors[1] = 32;
+  chip.chips[0].cams[1].clock_index = 1;
+  chip.chips[0].cams[1].clock_a = {500e3};
   EXPECT_EQ(refusal_text(chip), "");  // ClockB
 }
 
@@ -206,9 +206,8 @@ TEST(An231Stream, EveryChoiceOfCellsThatIsMadeWorks) {
     for (int out = 1; out <= kIoCells; ++out) {
       if (in == out) continue;
       for (const int stages : {1, 3, 6, 8}) {
-        WantedChip chip = chain_of(pole_zero_stages(stages));
-        chip.cells = {{"in1", in}, {"out1", out}};
-        const BuiltChip made = built(chip);
+        const BuiltChip made =
+            built(chain_of(pole_zero_stages(stages)), {{"chip1.in1", in}, {"chip1.out1", out}});
         const BoardCircuit board = board_of(made.memory);
         EXPECT_THAT(board.chips[0].problems, IsEmpty());
         EXPECT_THAT(board.chips[0].unexplained, IsEmpty());

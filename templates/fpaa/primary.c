@@ -9,7 +9,7 @@
 const unsigned char {{name}}[{{count}}] =
 {
 {{#rows}}
-   {{row}}
+   {{.}}
 {{/rows}}
 };
 const unsigned int {{name}}_length = {{count}};

@@ -178,18 +178,11 @@ BranchInputs ControllerBranches::add_powers(std::vector<ControllerCam>& cams, co
   return out;
 }
 
-Outcome<std::string> ControllerBranches::add_branch(std::vector<ControllerCam>& cams,
-                                                    const std::string& prefix, Direction branch,
-                                                    const BranchInputs& inputs, int group) {
+std::string ControllerBranches::add_branch(std::vector<ControllerCam>& cams, const std::string& prefix,
+                                           Direction branch, const BranchInputs& inputs, int group) {
   const std::string name = prefix + name_of(branch);
-  std::string last;
-  if (out_.by == PolynomialBy::lookup) {
-    const Outcome<std::string> made = add_table(cams, name, branch, inputs, group);
-    if (const Refusal* refusal = refusal_of(made)) return *refusal;
-    last = std::get<std::string>(made);
-  } else {
-    last = add_sum(cams, name, branch, inputs, group);
-  }
+  const std::string last = out_.by == PolynomialBy::lookup ? add_table(cams, name, branch, inputs, group)
+                                                           : add_sum(cams, name, branch, inputs, group);
   if (disturbance_.amplitude.alpha.empty()) return last;
   const std::string control = std::string("amplitude_") + name_of(branch);
   add_outside({OutsidePart::Kind::constant, control, {}, kFullScaleV});
@@ -239,17 +232,15 @@ std::string ControllerBranches::add_sum(std::vector<ControllerCam>& cams, const 
   return cams.back().name;
 }
 
-Outcome<std::string> ControllerBranches::add_table(std::vector<ControllerCam>& cams, const std::string& name,
-                                                   Direction branch, const BranchInputs& inputs, int group) {
+std::string ControllerBranches::add_table(std::vector<ControllerCam>& cams, const std::string& name,
+                                          Direction branch, const BranchInputs& inputs, int group) {
   const TableShape shape = table_shape(disturbance_, branch, range_, out_.scale);
   // What follows inverts: the table is upside down.
   LookupTable table;
   table.bytes.fill(128);
   if (shape.greatest > 0.0) {
-    const auto made = LookupTable::of(
-        [&](double v) { return fpaa::table_volts(disturbance_, branch, shape, out_.scale, v); });
-    if (const Refusal* refusal = refusal_of(made)) return *refusal;
-    table = std::get<LookupTable>(made);
+    table = value_or_throw(LookupTable::of(
+        [&](double v) { return fpaa::table_volts(disturbance_, branch, shape, out_.scale, v); }));
   }
   ControllerCam lookup = cam(name + "Table", transfer_function_cam(), {inputs.argument});
   lookup.requested = lookup.realised = table.values();

@@ -42,9 +42,9 @@ class ControllerBranches {
 
   BranchInputs add_powers(std::vector<ControllerCam>& cams, const std::string& prefix,
                           const std::string& argument, int group);
-  /// The name of the branch's last CAM.
-  Outcome<std::string> add_branch(std::vector<ControllerCam>& cams, const std::string& prefix,
-                                  Disturbance::Branch branch, const BranchInputs& inputs, int group);
+  /// The name of the branch's last CAM. Throws DesignError where its table cannot be made.
+  std::string add_branch(std::vector<ControllerCam>& cams, const std::string& prefix,
+                         Disturbance::Branch branch, const BranchInputs& inputs, int group);
   /// Weight of the branches in the difference from the reference, as its capacitors make it.
   double output_weight() const { return output_weight_; }
 
@@ -59,8 +59,8 @@ class ControllerBranches {
   const Side& side(Disturbance::Branch branch) const;
   std::vector<double> power_weights(Disturbance::Branch branch) const;
   double wanted_output_weight() const;
-  Outcome<std::string> add_table(std::vector<ControllerCam>& cams, const std::string& name,
-                                 Disturbance::Branch branch, const BranchInputs& inputs, int group);
+  std::string add_table(std::vector<ControllerCam>& cams, const std::string& name, Disturbance::Branch branch,
+                        const BranchInputs& inputs, int group);
   std::string add_sum(std::vector<ControllerCam>& cams, const std::string& name, Disturbance::Branch branch,
                       const BranchInputs& inputs, int group);
   std::string add_multiplier(std::vector<ControllerCam>& cams, const std::string& name,

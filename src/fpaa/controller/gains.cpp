@@ -30,7 +30,7 @@ std::string power_on_text(const ControllerVariant& variant, const Disturbance& d
                {"readings", Json::array()},
                {"multipliers", variant.by == PolynomialBy::outside},
                {"tables", variant.by == PolynomialBy::lookup},
-               {"warnings", Json::array()}};
+               {"warnings", streams.warnings}};
   const auto signals = pin_signals(variant);
   const auto cell_of = [&](const std::string& pin) {
     return fmt::format("{} IO{}", pin.substr(0, pin.find('.')), streams.cells.at(pin));
@@ -54,7 +54,6 @@ std::string power_on_text(const ControllerVariant& variant, const Disturbance& d
                                 {"up", volts(settled_drive(disturbance, ascending, 1.0, r))},
                                 {"down", volts(settled_drive(disturbance, descending, 1.0, r))}});
   }
-  for (const std::string& warning : streams.warnings) data["warnings"].push_back({{"text", warning}});
   return render_template("fpaa/controller_power_on.md", data);
 }
 

@@ -26,32 +26,31 @@ std::vector<std::string> leaving(const ControllerVariant& variant) {
 
 }  // namespace
 
-std::optional<Refusal> check_controller_io(ControllerVariant& variant) {
+void check_controller_io(ControllerVariant& variant) {
   const Board& board = board_by_name(variant.board);
   for (const ChipSignals& chip : chip_signals(wired_cams(variant), leaving(variant), board))
     variant.io_cells.push_back(chip.pins());
   for (std::size_t chip = 0; chip < variant.io_cells.size(); ++chip) {
     if (variant.io_cells[chip] <= board.io_cells_per_chip) continue;
-    return Refusal{fmt::format(
+    throw DesignError(fmt::format(
         "chip {} needs {} I/O cells and has {}; expected fewer signals from outside (the polynomial by "
         "look-up needs only x), or a compensator of fewer sections so that a branch stays on one chip",
-        chip + 1, variant.io_cells[chip], board.io_cells_per_chip)};
+        chip + 1, variant.io_cells[chip], board.io_cells_per_chip));
   }
   for (const ControllerCam& cam : variant.cams) {
     const int ratio = cam.cam->facts().clock_b_ratio;
     const Hertz clock_b{ratio * cam.clock_a.value};
     if (ratio == 0 || find_clock(board, clock_b)) continue;
-    return Refusal{fmt::format(
+    throw DesignError(fmt::format(
         "{} ({}) needs ClockB = {} Hz, which is not in the clock tree; expected a fast clock of at most {} Hz",
         cam.name, cam.cam->name(), rounded_text(clock_b.value),
-        rounded_text(board.master_clock.value / ratio))};
+        rounded_text(board.master_clock.value / ratio)));
   }
   for (const ChipPlan& chip : controller_plan(variant).chips) {
     if (chip.clocks.clocks.size() <= kClocksOfChip) continue;
-    return Refusal{fmt::format("chip {} needs {} clocks and has {}; expected compensators of fewer clocks",
-                               chip.chip, chip.clocks.clocks.size(), kClocksOfChip)};
+    throw DesignError(fmt::format("chip {} needs {} clocks and has {}; expected compensators of fewer clocks",
+                                  chip.chip, chip.clocks.clocks.size(), kClocksOfChip));
   }
-  return std::nullopt;
 }
 
 Plan controller_plan(const ControllerVariant& variant) {

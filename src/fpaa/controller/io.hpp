@@ -8,8 +8,9 @@
 
 namespace bodesmith::fpaa {
 
-/// What keeps a placed variant from its board: I/O cells, ClockBs and clocks of each chip. Fills in the I/O cells used.
-std::optional<Refusal> check_controller_io(ControllerVariant& variant);
+/// Throws DesignError with what keeps a placed variant from its board: I/O cells, ClockBs and clocks of each chip. Fills in the I/O cells
+/// used.
+void check_controller_io(ControllerVariant& variant);
 /// The variant as a plan: chips, clocks, CAMs with their capacitors, every wire. For picture, build sheet and
 /// streams.
 Plan controller_plan(const ControllerVariant& variant);

@@ -51,40 +51,40 @@ class ControllerLayout {
         options_(options),
         board_(board_by_name(options.board)) {}
 
-  /// Refused: a branch that cannot be made at all.
-  std::optional<Refusal> collect() {
+  /// Throws DesignError: a branch that cannot be made at all.
+  void collect() {
     out_.outside.push_back({OutsidePart::Kind::reference, "r", {}, 0.0});
     add_slope_detector();
     switch (out_.structure) {
       case ControllerStructure::loop:
-        return add_pass("", "OutputHold", "r");
+        add_pass("", "OutputHold", "r");
+        break;
       case ControllerStructure::open:
-        return add_pass("", "r", "r");
+        add_pass("", "r", "r");
+        break;
       case ControllerStructure::delayed:
-        return add_delayed_pass("", "r");
+        add_delayed_pass("", "r");
+        break;
       case ControllerStructure::two_pass:
+        add_delayed_pass("First", "r");
+        add_delayed_pass("", "FirstOutputHold");
         break;
     }
-    if (auto refusal = add_delayed_pass("First", "r")) return refusal;
-    return add_delayed_pass("", "FirstOutputHold");
   }
 
   /// Holds where a half-cycle output leaves its chip or its clock change the placement: repeats until none is
   /// new.
-  std::optional<Refusal> place() {
+  void place() {
     do {
       std::vector<PlaceNeed> needs;
       for (const ControllerCam& cam : out_.cams) needs.push_back({cam.resources, cam.group});
-      const Outcome<std::vector<Place>> placed = fpaa::place(needs, board_);
-      if (const Refusal* refusal = refusal_of(placed)) return *refusal;
-      const std::vector<Place>& places = std::get<std::vector<Place>>(placed);
+      const std::vector<Place> places = value_or_throw(fpaa::place(needs, board_));
       for (std::size_t i = 0; i < out_.cams.size(); ++i) {
         out_.cams[i].chip = places[i].chip;
         out_.cams[i].cab = places[i].cab;
       }
     } while (add_missing_hold());
     put_tables_where_bytes_are_known();
-    return std::nullopt;
   }
 
  private:
@@ -144,9 +144,9 @@ class ControllerLayout {
   }
 
   /// v = r - K d(argument), the reference delayed as long as the disturbance by a low pass.
-  std::optional<Refusal> add_delayed_pass(const std::string& prefix, const std::string& argument) {
+  void add_delayed_pass(const std::string& prefix, const std::string& argument) {
     const std::string delay = prefix + "ReferenceDelay";
-    if (auto refusal = add_pass(prefix, argument, delay)) return refusal;
+    add_pass(prefix, argument, delay);
     // -1/(1 + n (1 - 1/z)) is late by n cycles. It inverts, so that the sum's own input does so without
     // delay.
     const double cycles = age(prefix + "Output", 1) * options_.fast_clock.value;
@@ -156,12 +156,10 @@ class ControllerLayout {
     const auto output = std::find_if(out_.cams.begin(), out_.cams.end(),
                                      [&](const ControllerCam& c) { return c.name == prefix + "Output"; });
     out_.cams.insert(output, std::move(filter));
-    return std::nullopt;
   }
 
   /// Both branches of K d(argument), the switch between them, and the difference from the reference, held.
-  std::optional<Refusal> add_pass(const std::string& prefix, const std::string& argument,
-                                  const std::string& reference) {
+  void add_pass(const std::string& prefix, const std::string& argument, const std::string& reference) {
     const BranchInputs inputs = branches_.add_powers(out_.cams, prefix, argument, ++group_);
     // Sums that only the switch reads stay with it.
     const bool sums_late =
@@ -171,20 +169,13 @@ class ControllerLayout {
     for (const Direction branch : {Direction::ascending, Direction::descending}) {
       const std::size_t b = branch == Direction::ascending ? 0 : 1;
       if (!sums_late) ++group_;
-      const auto made = branches_.add_branch(out_.cams, prefix, branch, inputs, group_);
-      if (const Refusal* refusal = refusal_of(made)) return *refusal;
-      last[b] = std::get<std::string>(made);
+      last[b] = branches_.add_branch(out_.cams, prefix, branch, inputs, group_);
       const Plan* plan = b == 0 ? ascending_ : descending_;
-      if (plan != nullptr) {
-        const auto filtered = add_compensator(prefix, branch, *plan, last[b]);
-        if (const Refusal* refusal = refusal_of(filtered)) return *refusal;
-        last[b] = std::get<std::string>(filtered);
-      }
+      if (plan != nullptr) last[b] = add_compensator(prefix, branch, *plan, last[b]);
     }
     const bool tables = out_.by == PolynomialBy::lookup && descending_ == nullptr;
     if (!switches_outside() && !sums_late && !tables) ++group_;
     add_switch_and_difference(prefix, last, reference);
-    return std::nullopt;
   }
 
   void add_switch_and_difference(const std::string& prefix, const std::array<std::string, 2>& last,
@@ -207,31 +198,29 @@ class ControllerLayout {
     add(out_.drive, hold_cam(), "", {name});
   }
 
-  Outcome<std::string> add_compensator(const std::string& prefix, Direction branch, const Plan& plan,
-                                       const std::string& input) {
-    const Outcome<PlanGraph> graph = plan_graph(plan);
-    if (const Refusal* refusal = refusal_of(graph)) return *refusal;
-    const PlanGraph& wired = std::get<PlanGraph>(graph);
+  std::string add_compensator(const std::string& prefix, Direction branch, const Plan& plan,
+                              const std::string& input) {
+    const PlanGraph graph = value_or_throw(plan_graph(plan));
     const std::string before = prefix + ControllerBranches::name_of(branch);
     const auto name_of = [&](const PlanGraph::Source& source) {
-      return source.node ? before + wired.nodes[*source.node].cam->name : input;
+      return source.node ? before + graph.nodes[*source.node].cam->name : input;
     };
-    for (const PlanGraph::PlanNode& node : wired.nodes) {
+    for (const PlanGraph::PlanNode& node : graph.nodes) {
       ControllerCam filter;
       static_cast<PlacedCam&>(filter) = *node.cam;
       filter.name = before + node.cam->name;
       filter.inputs.resize(node.inputs.size());
       for (const PlanGraph::Input& in : node.inputs) {
         if (in.number > filter.inputs.size())
-          return Refusal{
-              fmt::format("{} of the compensator has an input that nothing is wired to", node.name)};
+          throw DesignError(
+              fmt::format("{} of the compensator has an input that nothing is wired to", node.name));
         filter.inputs[in.number - 1] = name_of(in.from);
       }
       filter.group = ++group_;
       out_.cams.push_back(std::move(filter));
     }
-    if (!wired.output) return Refusal{"the compensator's plan has no output pin"};
-    return name_of(*wired.output);
+    if (!graph.output) throw DesignError("the compensator's plan has no output pin");
+    return name_of(*graph.output);
   }
 
   const ControllerCam* find(std::string_view name) const { return out_.find(name); }
@@ -352,9 +341,13 @@ ControllerVariant laid_out(PolynomialBy by, ControllerStructure structure, const
   if (!out.fits()) return out;
 
   ControllerLayout layout(out, disturbance, ascending, descending, options);
-  out.refusal = layout.collect();
-  if (out.fits()) out.refusal = layout.place();
-  if (out.fits()) out.refusal = check_controller_io(out);
+  try {
+    layout.collect();
+    layout.place();
+    check_controller_io(out);
+  } catch (const DesignError& refused) {
+    out.refusal = Refusal{refused.what()};
+  }
   for (const ControllerCam& cam : out.cams) {
     out.resources += cam.resources;
     out.chips = std::max(out.chips, cam.chip);

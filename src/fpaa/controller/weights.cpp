@@ -74,23 +74,18 @@ void take_units(ControllerCam& cam, const std::vector<double>& gains, const Weig
   cam.capacitors.clear();
   cam.requested = {};
   cam.realised = {};
-  cam.more_numerators.clear();
   cam.late.assign(gains.size(), false);
-  cam.z.denominator = {static_cast<double>(units.out)};
   for (std::size_t i = 0; i < gains.size(); ++i) {
-    const double signed_units = std::copysign(static_cast<double>(units.in[i]), gains[i]);
+    const double realised = std::copysign(static_cast<double>(units.in[i]), gains[i]) / units.out;
     const std::string key = single ? "gain" : fmt::format("gain_{}", i + 1);
     cam.requested.set(key, single ? -gains[i] : gains[i]);
-    cam.realised.set(key, (single ? -1.0 : 1.0) * signed_units / units.out);
+    cam.realised.set(key, single ? -realised : realised);
     cam.capacitors.push_back({single ? "Cin" : fmt::format("Cin{}", i + 1), units.in[i]});
-    if (i == 0) {
-      cam.z.numerator = {signed_units};
-    } else {
-      cam.more_numerators.push_back({signed_units});
-    }
     if (!single) cam.late[i] = gains[i] > 0.0;
   }
   cam.capacitors.push_back({"Cout", units.out});
+  cam.more_numerators.resize(gains.size() - 1);
+  cam.find_z();
   if (single) cam.capacitors.push_back({"Chold", kHoldUnits});
 }
 

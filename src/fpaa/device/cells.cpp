@@ -21,26 +21,26 @@ int pair_of(int cab, int behind) {
 
 }  // namespace
 
-Selected selected(int cab, int selector) {
-  using What = Selected::What;
+CircuitNode selected(int cab, int selector) {
+  using Kind = CircuitNode::Kind;
   // The odd selector of a pair is number 1.
   const int number = selector % 2 == 1 ? 1 : 2;
   switch (selector / 2) {
     case 0:
-      return {selector == kNearGround ? What::ground : What::open, 0, 0};
+      return {selector == kNearGround ? Kind::ground : Kind::open, 0, 0};
     case 1:
-      return {What::opamp, cab, number};
+      return {Kind::opamp, cab, number};
     case 2:
-      return {What::reference, 0, number == 1 ? 1 : -1};
+      return {Kind::reference, 0, number == 1 ? 1 : -1};
     case 3:
-      return {What::local_input, 0, number};
+      return {Kind::local_input, 0, number};
     default:
       break;
   }
   const int behind =
       kBehindSelectors.at(static_cast<std::size_t>(cab - 1)).at(static_cast<std::size_t>(selector / 2 - 4));
-  if (behind == 0) return {What::direct_line, 0, number};
-  return {What::opamp, behind, number};
+  if (behind == 0) return {Kind::direct_line, 0, number};
+  return {Kind::opamp, behind, number};
 }
 
 int opamp_selector(int cab, int source_cab, int opamp) {

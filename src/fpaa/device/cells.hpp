@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "fpaa/device/circuit_node.hpp"
 #include "fpaa/device/memory_image.hpp"
 
 namespace bodesmith::fpaa::an231 {
@@ -146,13 +147,7 @@ inline constexpr int kResetPhase1 = 0x40;  ///< + clock
 inline constexpr int kResetPhase2 = 0x80;
 
 /// What a near selector points at, before lines are followed.
-struct Selected {
-  enum class What { open, ground, opamp, reference, local_input, direct_line };
-  What what = What::open;
-  int cab = 0;     ///< of the op-amp
-  int number = 0;  ///< op-amp, line or local input; a reference's sign
-};
-Selected selected(int cab, int selector);
+CircuitNode selected(int cab, int selector);
 /// The selector by which a CAB reads an op-amp of any CAB, a local input, or its direct line.
 int opamp_selector(int cab, int source_cab, int opamp);
 int local_input_selector(int input);

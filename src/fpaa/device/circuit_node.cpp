@@ -19,6 +19,8 @@ std::string CircuitNode::text() const {
     case Kind::reference:
       return number > 0 ? "+2 V" : "-2 V";
     case Kind::undriven:
+    case Kind::local_input:
+    case Kind::direct_line:
       break;
   }
   return "nothing";

@@ -7,10 +7,10 @@ namespace bodesmith::fpaa::an231 {
 
 /// What a capacitor's plate or an output cell is joined to.
 struct CircuitNode {
-  enum class Kind { open, ground, virtual_ground, opamp, pin, reference, undriven };
+  enum class Kind { open, ground, virtual_ground, opamp, pin, reference, undriven, local_input, direct_line };
   Kind kind = Kind::open;
   int cab = 0;     ///< of an op-amp or virtual ground
-  int number = 0;  ///< of the op-amp, of the I/O cell; sign of the reference
+  int number = 0;  ///< of the op-amp, the I/O cell, the line or local input; sign of the reference
 
   /// "CAB1.op2", "IO3", "ground", "+2 V", …
   std::string text() const;

@@ -158,23 +158,10 @@ void Routes::check_lines() {
 }
 
 CircuitNode Routes::node(int cab, int selector) const {
-  const Selected at = selected(cab, selector);
-  using What = Selected::What;
-  switch (at.what) {
-    case What::open:
-      return {};
-    case What::ground:
-      return {Kind::ground, 0, 0};
-    case What::opamp:
-      return {Kind::opamp, at.cab, at.number};
-    case What::reference:
-      return {Kind::reference, 0, at.number};
-    case What::direct_line:
-      return direct_lines_[static_cast<std::size_t>(cab - 1)][static_cast<std::size_t>(at.number - 1)]
-          .driver();
-    case What::local_input:
-      break;
-  }
+  const CircuitNode at = selected(cab, selector);
+  if (at.kind == Kind::direct_line)
+    return direct_lines_[static_cast<std::size_t>(cab - 1)][static_cast<std::size_t>(at.number - 1)].driver();
+  if (at.kind != Kind::local_input) return at;
   const Address local = local_input_at(cab, at.number);
   const int line = memory_.at(local.bank, local.byte);
   if (line < 1 || line > kLines) return {Kind::undriven, 0, 0};

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/error.hpp"
 #include "fpaa/network/switched_network.hpp"
 #include "numeric/linear_algebra/dense.hpp"
 
@@ -83,10 +84,10 @@ class MapMaker {
     holds_.resize(static_cast<std::size_t>(network.nodes));
   }
 
-  Outcome<ChargeMap> make(bool with_noise) {
-    if (auto refusal = find_holds()) return *refusal;
+  ChargeMap make(bool with_noise) {
+    find_holds();
     number_groups();
-    if (auto refusal = solve()) return *refusal;
+    solve();
     if (with_noise) add_noise();
     return std::move(out_);
   }
@@ -94,22 +95,21 @@ class MapMaker {
  private:
   GroupHold& hold_of(int node) { return holds_[static_cast<std::size_t>(joined_.group(node))]; }
 
-  std::optional<Refusal> find_holds() {
+  void find_holds() {
     hold_of(0).ground = true;
     for (std::size_t i = 0; i < network_.inputs.size(); ++i) {
       GroupHold& hold = hold_of(network_.inputs[i]);
-      if (!hold.is_free()) return Refusal{"a switch joins an input to ground or to another input"};
+      if (!hold.is_free()) throw DesignError("a switch joins an input to ground or to another input");
       hold.input = static_cast<int>(i);
     }
     for (std::size_t k = 0; k < network_.opamps.size(); ++k) {
       GroupHold& hold = hold_of(network_.opamps[k].out);
       if (!hold.is_free()) {
-        return Refusal{
-            fmt::format("the output of op-amp {} is joined to ground, an input or another output", k + 1)};
+        throw DesignError(
+            fmt::format("the output of op-amp {} is joined to ground, an input or another output", k + 1));
       }
       hold.opamp = static_cast<int>(k);
     }
-    return std::nullopt;
   }
 
   /// Charges of free groups; a free group without a capacitor has none, and no voltage that matters.
@@ -135,7 +135,7 @@ class MapMaker {
 
   /// Unknowns: voltages of the charge groups, then of the op-amps' outputs. Equations: the charges, then
   /// v(minus) = v(plus) of every op-amp.
-  std::optional<Refusal> solve() {
+  void solve() {
     const auto opamps = static_cast<Index>(network_.opamps.size());
     const auto inputs = static_cast<Index>(network_.inputs.size());
     const Index size = out_.charges + opamps;
@@ -163,9 +163,9 @@ class MapMaker {
     }
     const Eigen::FullPivLU<MatrixXd> lu(a);
     if (!lu.isInvertible()) {
-      return Refusal{
+      throw DesignError(
           "the switches leave a voltage open (an op-amp without feedback), expected every op-amp's "
-          "output to act on its inverting input in every phase"};
+          "output to act on its inverting input in every phase");
     }
     const MatrixXd from_q = lu.solve(right_q);
     const MatrixXd from_u = lu.solve(right_u);
@@ -173,7 +173,6 @@ class MapMaker {
     out_.volts_u = from_u.bottomRows(opamps);
     out_.nodes_q = capacitance_ * by_unknown * from_q;
     out_.nodes_u = capacitance_ * (by_unknown * from_u + by_input);
-    return std::nullopt;
   }
 
   /// Every closed switch a conductance of 1 (equal ones: only their ratios count) with white current of intensity
@@ -273,8 +272,7 @@ MatrixXd regrouped(const ChargeMap& next) {
   return out;
 }
 
-Outcome<ChargeMap> charge_map(const SwitchedNetwork& network, const std::vector<bool>& closed,
-                              bool with_noise) {
+ChargeMap charge_map(const SwitchedNetwork& network, const std::vector<bool>& closed, bool with_noise) {
   return MapMaker(network, closed).make(with_noise);
 }
 

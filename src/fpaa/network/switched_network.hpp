@@ -55,10 +55,9 @@ struct ChargeMap {
   Eigen::MatrixXd noise;
 };
 
-/// Refused where the voltages are not determined: an op-amp without feedback, an input joined to ground.
+/// Throws DesignError where the voltages are not determined: an op-amp without feedback, an input joined to ground.
 /// `closed`: of each switch.
-Outcome<ChargeMap> charge_map(const SwitchedNetwork& network, const std::vector<bool>& closed,
-                              bool with_noise);
+ChargeMap charge_map(const SwitchedNetwork& network, const std::vector<bool>& closed, bool with_noise);
 
 /// Sums of the charges at nodes for the groups of `next`: (next.charges x nodes).
 Eigen::MatrixXd regrouped(const ChargeMap& next);

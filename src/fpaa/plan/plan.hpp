@@ -58,12 +58,8 @@ struct WireEnd {
 };
 
 /// Differences between plan and sections over a band.
-struct PlanError {
+struct PlanError : ResponseDifference {
   Band band;
-  double max_magnitude_db = 0.0;
-  double max_phase_deg = 0.0;
-  double max_complex_percent = 0.0;
-  Hertz worst;
 };
 
 /// What 95 % of boards keep of a sine of `at_input_v` at the pin (the largest that clips no node), and its parts, in

@@ -11,24 +11,18 @@
 namespace bodesmith::fpaa {
 namespace {
 
-/// Builds the graph; each step may refuse.
+/// Builds the graph; each step throws DesignError where it cannot.
 class GraphBuilder {
  public:
   explicit GraphBuilder(const Plan& plan) : plan_(plan) {}
 
-  Outcome<PlanGraph> build() {
+  PlanGraph build() {
     out_.tick_rate = ticks_per_second(board_by_name(plan_.board));
     add_nodes();
-    if (auto refusal = sort_wires()) return *refusal;
-    for (const Wire& wire : plan_.wires) {
-      if (auto refusal = connect(wire)) return *refusal;
-    }
-    if (const std::string pin = plan_.output_pin(); !pin.empty()) {
-      const Outcome<PlanGraph::Source> from = source(pin);
-      if (const Refusal* refusal = refusal_of(from)) return *refusal;
-      out_.output = std::get<PlanGraph::Source>(from);
-    }
-    if (auto refusal = find_order()) return *refusal;
+    sort_wires();
+    for (const Wire& wire : plan_.wires) connect(wire);
+    if (const std::string pin = plan_.output_pin(); !pin.empty()) out_.output = source(pin);
+    find_order();
     return std::move(out_);
   }
 
@@ -49,55 +43,51 @@ class GraphBuilder {
   }
 
   /// Pins by what drives them.
-  std::optional<Refusal> sort_wires() {
+  void sort_wires() {
     for (const Wire& wire : plan_.wires) {
       for (const std::string& end : {wire.from, wire.to}) {
         if (node_of_.count(end) == 0 && !WireEnd(end).is_input_pin() && !WireEnd(end).is_output_pin()) {
-          return Refusal{
-              fmt::format("a wire ends at '{}', expected a CAM of the plan or a pin (chip1.in1)", end)};
+          throw DesignError(
+              fmt::format("a wire ends at '{}', expected a CAM of the plan or a pin (chip1.in1)", end));
         }
       }
       if (node_of_.count(wire.to) != 0) continue;
       if (!driver_of_pin_.emplace(wire.to, wire.from).second) {
-        return Refusal{fmt::format("two wires lead to {}, expected one", wire.to)};
+        throw DesignError(fmt::format("two wires lead to {}, expected one", wire.to));
       }
     }
-    return std::nullopt;
   }
 
-  Outcome<PlanGraph::Source> source(std::string name) const {
+  PlanGraph::Source source(std::string name) const {
     for (std::size_t hops = 0; hops <= plan_.wires.size(); ++hops) {
       if (const auto node = node_of_.find(name); node != node_of_.end()) {
-        return PlanGraph::Source{node->second};
+        return {node->second};
       }
       const auto driver = driver_of_pin_.find(name);
       if (driver == driver_of_pin_.end()) {
-        if (WireEnd(name).is_input_pin()) return PlanGraph::Source{};
-        return Refusal{fmt::format("nothing is wired to {}, which other wires start from", name)};
+        if (WireEnd(name).is_input_pin()) return {};
+        throw DesignError(fmt::format("nothing is wired to {}, which other wires start from", name));
       }
       name = driver->second;
     }
-    return Refusal{fmt::format("the pins at {} are wired in a circle", name)};
+    throw DesignError(fmt::format("the pins at {} are wired in a circle", name));
   }
 
-  std::optional<Refusal> connect(const Wire& wire) {
+  void connect(const Wire& wire) {
     const auto to = node_of_.find(wire.to);
-    if (to == node_of_.end()) return std::nullopt;
+    if (to == node_of_.end()) return;
     PlanGraph::PlanNode& node = out_.nodes[to->second];
     const auto number = static_cast<std::size_t>(wire.input);
     if (wire.input < 1 || number > node.cam->input_count()) {
-      return Refusal{fmt::format("a wire leads to input {} of {}, which has {}", wire.input, wire.to,
-                                 node.cam->input_count())};
+      throw DesignError(fmt::format("a wire leads to input {} of {}, which has {}", wire.input, wire.to,
+                                    node.cam->input_count()));
     }
     for (const PlanGraph::Input& input : node.inputs) {
       if (input.number == number) {
-        return Refusal{fmt::format("two wires lead to input {} of {}, expected one", wire.input, wire.to)};
+        throw DesignError(fmt::format("two wires lead to input {} of {}, expected one", wire.input, wire.to));
       }
     }
-    const Outcome<PlanGraph::Source> from = source(wire.from);
-    if (const Refusal* refusal = refusal_of(from)) return *refusal;
-    node.inputs.push_back({number, std::get<PlanGraph::Source>(from)});
-    return std::nullopt;
+    node.inputs.push_back({number, source(wire.from)});
   }
 
   /// Whether this input acts on the output at the same edge.
@@ -105,7 +95,7 @@ class GraphBuilder {
     return node.cam->z_from(input.number).numerator[0] != 0.0 && node.delay == 0;
   }
 
-  std::optional<Refusal> find_order() {
+  void find_order() {
     std::vector<bool> done(out_.nodes.size(), false);
     while (out_.order.size() < out_.nodes.size()) {
       const std::size_t before = out_.order.size();
@@ -119,11 +109,10 @@ class GraphBuilder {
         }
       }
       if (out_.order.size() == before) {
-        return Refusal{
-            "the wires make a loop without any delay, expected a CAM in it that reads one period late"};
+        throw DesignError(
+            "the wires make a loop without any delay, expected a CAM in it that reads one period late");
       }
     }
-    return std::nullopt;
   }
 
   bool is_ready(std::size_t i, const std::vector<bool>& done, bool late) const {
@@ -146,7 +135,11 @@ double ticks_per_second(const Board& board) {
 }
 
 Outcome<PlanGraph> plan_graph(const Plan& plan) {
-  return GraphBuilder(plan).build();
+  try {
+    return GraphBuilder(plan).build();
+  } catch (const DesignError& refused) {
+    return Refusal{refused.what()};
+  }
 }
 
 }  // namespace bodesmith::fpaa

@@ -86,12 +86,6 @@ std::string subcircuit_name(std::string name) {
   return name;
 }
 
-Json line_list(const std::vector<std::string>& lines) {
-  Json out = Json::array();
-  for (const std::string& line : lines) out.push_back({{"line", line}});
-  return out;
-}
-
 std::string source_name(const PlanGraph& graph, const PlanGraph::Source& source) {
   return source.node ? "o_" + subcircuit_name(graph.nodes[*source.node].name) : "in";
 }
@@ -142,10 +136,10 @@ Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, 
                             {"subcircuit", name},
                             {"pins", pins + "out p1 p2"},
                             {"nodes", nodes + fmt::format("o_{0} c{1}p1 c{1}p2", name, clock)},
-                            {"elements", line_list(stage_lines(*stage, parts))}});
+                            {"elements", stage_lines(*stage, parts)}});
   }
   if (!graph.output) return Refusal{"no wire leads to an output pin, expected one"};
-  data["links"] = line_list({fmt::format("Eout out 0 {} 0 1", source_name(graph, *graph.output))});
+  data["links"] = {fmt::format("Eout out 0 {} 0 1", source_name(graph, *graph.output))};
   return render_template("fpaa/board.sub", data);
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "numeric/fourier.hpp"
 #include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::fpaa::an231 {
@@ -112,7 +113,7 @@ class LoopNetwork {
       network.opamps.push_back({.plus = 0, .minus = network.add_node(), .out = network.add_node()});
   }
 
-  std::optional<Refusal> build() {
+  void build() {
     for (std::size_t i = 0; i < members_.size(); ++i) {
       const BoardNode& amp = members_[i];
       for (const CapacitorCell* c : capacitors_at(board_, amp)) {
@@ -120,23 +121,23 @@ class LoopNetwork {
         if (std::find(placed_.begin(), placed_.end(), c) != placed_.end()) continue;
         placed_.push_back(c);
         if (!c->is_understood)
-          return Refusal{
-              fmt::format("C{} of CAB {} has switches that are not understood", c->number, amp.node.cab)};
+          throw DesignError(
+              fmt::format("C{} of CAB {} has switches that are not understood", c->number, amp.node.cab));
         const int near = plate(amp, c->near);
         const int far = plate(amp, c->far);
         network.capacitors.push_back(
             {fmt::format("C{}", c->number), near, far, static_cast<double>(c->units)});
       }
       const OpAmpCell& cell = opamp_cell(board_, amp);
-      if (!cell.on) return Refusal{fmt::format("op-amp {} of CAB {} is off", amp.node.number, amp.node.cab)};
+      if (!cell.on)
+        throw DesignError(fmt::format("op-amp {} of CAB {} is off", amp.node.number, amp.node.cab));
       if (cell.reset_phase != 0)
         network.switches.push_back(
             {network.opamps[i].minus, network.opamps[i].out, clock(amp, cell.reset_clock), cell.reset_phase});
     }
-    if (missing_clock_) return Refusal{"a switch is moved by a clock that the chip does not have"};
+    if (missing_clock_) throw DesignError("a switch is moved by a clock that the chip does not have");
     network.output = 0;
     if (periods.empty()) periods.push_back(2);  // nothing switches: any clock will do
-    return std::nullopt;
   }
 
   bool switches() const { return !network.switches.empty(); }
@@ -216,54 +217,38 @@ class PinNetworks {
   PinNetworks(const BoardCircuit& board, const BoardNode& input)
       : board_(board), input_(input), out_(2.0 * board.master.value) {}
 
-  Outcome<PeriodicNetworks> to(std::size_t chip, const IoCell& cell) {
+  PeriodicNetworks to(std::size_t chip, const IoCell& cell) {
     LinkedSource end = behind_wires(board_, {chip, cell.source});
     end.sample(board_.chips[chip], cell);
-    const Outcome<Source> source = add(end);
-    if (const Refusal* refusal = refusal_of(source)) return *refusal;
-    const Source& made = std::get<Source>(source);
-    if (made.kind == Source::Kind::nothing) return Refusal{"the output does not depend on the input"};
+    const Source made = add(end);
+    if (made.kind == Source::Kind::nothing) throw DesignError("the output does not depend on the input");
     if (made.kind == Source::Kind::network) out_.set_output(made.network);
     return std::move(out_);
   }
 
  private:
-  Outcome<Source> add(const LinkedSource& from) {
+  Source add(const LinkedSource& from) {
     Source source;
     if (from.node.node.kind == Kind::pin) {
       if (from.node == input_) source.kind = Source::Kind::board_input;
       return source;
     }
     if (from.node.node.kind != Kind::opamp) return source;
-    const auto known = known_.find(key(from.node));
-    if (known != known_.end()) {
-      source = {Source::Kind::network, known->second};
-    } else {
-      const Outcome<Source> made = add_opamp(from.node);
-      if (refusal_of(made) != nullptr) return made;
-      source = std::get<Source>(made);
-    }
+    source = {Source::Kind::network, opamp(from.node)};
     if (from.sampled_phase == 0) return source;
     return Source{Source::Kind::network,
                   out_.add(ClockedNetwork(sampler(from.sampled_phase), {from.sampled_period}), {source})};
   }
 
-  Outcome<Source> add_opamp(const BoardNode& amp) {
+  std::size_t opamp(const BoardNode& amp) {
+    const std::array<std::size_t, 3> key{amp.chip, static_cast<std::size_t>(amp.node.cab),
+                                         static_cast<std::size_t>(amp.node.number)};
+    if (const auto known = known_.find(key); known != known_.end()) return known->second;
     LoopNetwork loop(board_, loop_of(board_, amp));
-    if (const auto refusal = loop.build()) return *refusal;
+    loop.build();
     std::vector<Source> sources;
-    for (const LinkedSource& one : loop.sources) {
-      const Outcome<Source> source = add(one);
-      if (refusal_of(source) != nullptr) return source;
-      sources.push_back(std::get<Source>(source));
-    }
-    const std::size_t index = out_.add(ClockedNetwork(loop.network, loop.periods), std::move(sources));
-    known_.emplace(key(amp), index);
-    return Source{Source::Kind::network, index};
-  }
-
-  static std::array<std::size_t, 3> key(const BoardNode& amp) {
-    return {amp.chip, static_cast<std::size_t>(amp.node.cab), static_cast<std::size_t>(amp.node.number)};
+    for (const LinkedSource& one : loop.sources) sources.push_back(add(one));
+    return known_[key] = out_.add(ClockedNetwork(loop.network, loop.periods), std::move(sources));
   }
 
   const BoardCircuit& board_;
@@ -277,17 +262,8 @@ constexpr double kTransferRounding = 1e-6;
 
 /// Coefficients from values at the N-th roots of unity.
 std::vector<double> coefficients(const std::vector<Complex>& values) {
-  const std::size_t n = values.size();
-  std::vector<double> out(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    Complex sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double angle =
-          -2.0 * std::numbers::pi * static_cast<double>((i * k) % n) / static_cast<double>(n);
-      sum += values[i] * std::polar(1.0, angle);
-    }
-    out[k] = sum.real() / static_cast<double>(n);
-  }
+  std::vector<double> out;
+  for (const Complex c : fourier(values)) out.push_back(c.real() / static_cast<double>(values.size()));
   return out;
 }
 
@@ -416,24 +392,20 @@ StageTransfer stage_of(const BoardCircuit& board, const BoardNode& amp) {
   out.phase = opamp_cell(board, amp).reset_phase == 1 ? 2 : 1;
   const std::vector<BoardNode> members = loop_of(board, amp);
   LoopNetwork loop(board, members);
-  const auto refused = loop.build();
-  for (const LinkedSource& source : loop.sources) out.inputs.push_back(source.node);
-  if (!refused && loop.switches()) out.clock_divisor = static_cast<int>(loop.periods.front() / 2);
-  const double scale = feedback_determinant(board, members);
-  if (refused) {
-    out.obstacle = refused->reason;
-  } else if (loop.periods.size() > 1) {
-    out.obstacle =
-        fmt::format("op-amp {} of CAB {} is switched by two clocks", amp.node.number, amp.node.cab);
-  } else if (scale == 0.0) {
-    out.obstacle = fmt::format("op-amp {} of CAB {} has no feedback", amp.node.number, amp.node.cab);
-  } else {
-    try {
-      find_polynomials(board, loop.sources, ClockedNetwork(loop.network, loop.periods), scale, out);
-    } catch (const DesignError& error) {
-      out.obstacle = error.what();
-    }
+  try {
+    loop.build();
+    if (loop.switches()) out.clock_divisor = static_cast<int>(loop.periods.front() / 2);
+    if (loop.periods.size() > 1)
+      throw DesignError(
+          fmt::format("op-amp {} of CAB {} is switched by two clocks", amp.node.number, amp.node.cab));
+    const double scale = feedback_determinant(board, members);
+    if (scale == 0.0)
+      throw DesignError(fmt::format("op-amp {} of CAB {} has no feedback", amp.node.number, amp.node.cab));
+    find_polynomials(board, loop.sources, ClockedNetwork(loop.network, loop.periods), scale, out);
+  } catch (const DesignError& error) {
+    out.obstacle = error.what();
   }
+  for (const LinkedSource& source : loop.sources) out.inputs.push_back(source.node);
   double largest = 0.0;
   for (const double c : out.denominator) largest = std::max(largest, std::abs(c));
   if (out.obstacle.empty() && (!std::isfinite(largest) || std::abs(out.denominator[0]) <= 1e-12 * largest)) {
@@ -455,12 +427,12 @@ std::optional<std::size_t> BoardCircuit::index_of(int address1) const {
   return at == chips.end() ? std::nullopt : std::optional(static_cast<std::size_t>(at - chips.begin()));
 }
 
-Outcome<PeriodicNetworks> pin_networks(const BoardCircuit& board, BoardPin from, BoardPin to) {
+PeriodicNetworks pin_networks(const BoardCircuit& board, BoardPin from, BoardPin to) {
   const auto first = board.index_of(from.chip);
   const auto last = board.index_of(to.chip);
-  if (!first || !last) return Refusal{"there is no stream for one of the chips"};
+  if (!first || !last) throw DesignError("there is no stream for one of the chips");
   const IoCell& cell = board.chips[*last].cell(to.cell);
-  if (!cell.is_output()) return Refusal{fmt::format("chip{}.IO{} is no output", to.chip, to.cell)};
+  if (!cell.is_output()) throw DesignError(fmt::format("chip{}.IO{} is no output", to.chip, to.cell));
   return PinNetworks(board, {*first, {Kind::pin, 0, from.cell}}).to(*last, cell);
 }
 

@@ -44,8 +44,8 @@ struct BoardNode {
 
 /// What the bytes make between two pins: every op-amp on the way with its capacitors and switches as the memory has
 /// them, op-amps that feed one another as one network, a sampling output cell as a follower behind a switch.
-/// Nothing of a plan is in it. Refused where the output is none, or a switch is not understood.
-Outcome<PeriodicNetworks> pin_networks(const BoardCircuit& board, BoardPin from, BoardPin to);
+/// Nothing of a plan is in it. Throws DesignError where the output is none, or a switch is not understood.
+PeriodicNetworks pin_networks(const BoardCircuit& board, BoardPin from, BoardPin to);
 
 /// The one input and the one output that no wire joins. Refused, with the list, when there are more.
 struct SignalPins {

@@ -79,14 +79,14 @@ bool opens_array(const std::vector<CToken>& tokens, std::size_t& at) {
   return true;
 }
 
-Json c_rows(const Bytes& bytes) {
+std::vector<std::string> c_rows(const Bytes& bytes) {
   constexpr std::size_t kBytesARow = 8;
-  Json rows = Json::array();
+  std::vector<std::string> rows;
   for (std::size_t i = 0; i < bytes.size(); i += kBytesARow) {
     std::string row;
     for (std::size_t k = i; k < std::min(bytes.size(), i + kBytesARow); ++k)
       row += fmt::format("0x{:02X}{}", bytes[k], k + 1 < bytes.size() ? ", " : "");
-    rows.push_back({{"row", std::string(trim(row))}});
+    rows.emplace_back(trim(row));
   }
   return rows;
 }

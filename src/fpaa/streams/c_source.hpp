@@ -26,7 +26,7 @@ int c_integer(const CToken& token, int max, const std::string& file);
 /// Whether `NAME [ … ] = {` stands at token `at`; then moves behind the brace.
 bool opens_array(const std::vector<CToken>& tokens, std::size_t& at);
 
-/// Bytes as the lines of an array, `[{"row": "0xD5, …"}, …]`, for a template.
-Json c_rows(const Bytes& bytes);
+/// Bytes as the lines of an array, "0xD5, …".
+std::vector<std::string> c_rows(const Bytes& bytes);
 
 }  // namespace bodesmith::fpaa

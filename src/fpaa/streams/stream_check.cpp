@@ -12,26 +12,19 @@ namespace {
 constexpr int kStreamPoints = 801;
 constexpr std::size_t kMostDifferences = 40;
 
-PlanError plan_error(const std::vector<Hertz>& grid, const std::vector<Complex>& got,
-                     const std::vector<Complex>& wanted, Band band) {
-  const ResponseDifference d = compare_responses(grid, got, wanted);
-  return {band, d.max_magnitude_db, d.max_phase_deg, d.max_complex_percent, d.worst};
-}
-
 }  // namespace
 
-Outcome<PlanError> stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
-                                const WantedResponse& wanted_response) {
-  const auto networks = pin_networks(board, pins.input, pins.output);
-  if (const Refusal* refusal = refusal_of(networks)) return *refusal;
+PlanError stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
+                       const WantedResponse& wanted_response) {
+  const PeriodicNetworks networks = pin_networks(board, pins.input, pins.output);
   const std::vector<Hertz> grid = log_grid(band, kStreamPoints);
   std::vector<Complex> got;
   std::vector<Complex> wanted;
   for (const Hertz f : grid) {
-    got.push_back(std::get<PeriodicNetworks>(networks).gain(f.rad_s()));
+    got.push_back(networks.gain(f.rad_s()));
     wanted.push_back(wanted_response(f.rad_s()));
   }
-  return plan_error(grid, got, wanted, band);
+  return {compare_responses(grid, got, wanted), band};
 }
 
 PinCells plan_cells(const Plan& plan) {

@@ -11,11 +11,11 @@
 
 namespace bodesmith::fpaa::an231 {
 
-/// What the bytes make between two pins, as their switches move, against what is wanted. Refused where they make
-/// nothing that is understood.
+/// What the bytes make between two pins, as their switches move, against what is wanted. Throws DesignError where they
+/// make nothing that is understood.
 using WantedResponse = std::function<std::complex<double>(RadPerSecond)>;
-Outcome<PlanError> stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
-                                const WantedResponse& wanted);
+PlanError stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
+                       const WantedResponse& wanted);
 
 /// The I/O cells that a plan with a stream names for its pins.
 PinCells plan_cells(const Plan& plan);

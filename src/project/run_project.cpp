@@ -127,18 +127,18 @@ Run run_project(const ProjectSource& source, const fs::path& folder) {
     if (run.design.circuit && ngspice::is_available())
       run.ngspice = synthesis::check_compensator(run.design.realised().circuit, run.design.sections());
   });
-  const auto studies =
-      with_plant({design}, [&] { run.alternatives = study_alternatives(project, run.design, *hardware); });
+  const auto studies = with_plant(
+      {design}, [&] { run.alternatives = study_alternatives(project, run.design, run.budget, *hardware); });
   const Stopwatch tracking_watch;
   const auto here = with_plant({design}, [&] { followed = follow_designs(project, candidates); });
   const auto simulated =
       with_plant({design}, [&] { circuit = track_circuit(project, run.design, candidates); });
   const auto clocked =
-      with_plant({here}, [&] { board = track_board_in_time(project, run.design, candidates, followed); });
+      with_plant({design}, [&] { board = track_board_in_time(project, run.design, candidates); });
   const auto there = with_plant({design, controllers_tracked}, [&] {
     if (!project.deadline.passed()) elsewhere = tracked_elsewhere(project, candidates, controllers);
   });
-  const auto study = with_plant({clocked, simulated, there}, [&] {
+  const auto study = with_plant({here, clocked, simulated, there}, [&] {
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,
                                   std::move(elsewhere));
     run.tracking.engines = engine_rows(run.tracking, followed, circuit, board);

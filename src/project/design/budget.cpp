@@ -94,17 +94,19 @@ Design with_alternative(const Project& project, const Design& design, Alternativ
 
 }  // namespace
 
-Budget make_budget(const Project& project, const Design& design) {
+Budget make_budget(const Project& project, const Design& design, const Budget* other) {
   WaveformErrorOptions options;
   options.path = compensated_path(project);
   const auto waveform = [&](const FrequencyResponse& g) {
     return waveform_error(g, project.target.disturbance, project.track.frequency, options);
   };
-  Budget budget;
+  Budget budget = other != nullptr ? *other : Budget();
+  budget.rows.resize(std::min<std::size_t>(budget.rows.size(), 1));
   budget.band = design_band(project, design);
   const std::vector<DesignStage> stages = design_stages(project, design);
-  for (const DesignStage& stage : stages) {
+  for (std::size_t i = budget.rows.size(); i < stages.size(); ++i) {
     stop_if_interrupted();
+    const DesignStage& stage = stages[i];
     BudgetRow row;
     row.stage = stage.name;
     if (stage.previous) {
@@ -116,6 +118,7 @@ Budget make_budget(const Project& project, const Design& design) {
     row.waveform = waveform(remembered(stage.response));
     budget.rows.push_back(std::move(row));
   }
+  if (other != nullptr) return budget;
   budget.uncompensated = waveform([](RadPerSecond) { return Complex(1.0); });
   budget.constant_gain = best_constant_gain(waveform);
   budget.constant = waveform([&budget](RadPerSecond) { return Complex(budget.constant_gain); });
@@ -156,12 +159,12 @@ std::vector<report::Plot> stages_plots(const Project& project, const Design& des
 }
 
 std::vector<AlternativeStudy> study_alternatives(const Project& project, const Design& design,
-                                                 AlternativeHardware& hardware) {
+                                                 const Budget& budget, AlternativeHardware& hardware) {
   std::vector<AlternativeStudy> out(design.alternatives.size());
   parallel_for(out.size(), thread_count(0), [&](std::size_t i) {
     stop_if_interrupted();
     out[i].design = with_alternative(project, design, hardware, i, out[i].refused);
-    out[i].budget = make_budget(project, out[i].design);
+    out[i].budget = i == design.chosen ? budget : make_budget(project, out[i].design, &budget);
   });
   stop_if_interrupted();
   return out;

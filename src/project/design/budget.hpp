@@ -26,7 +26,8 @@ struct Budget {
   /// The cascade's magnitude fits, and yet its waveform is worse than with no rate compensation at all.
   bool magnitude_only_is_worse = false;
 };
-Budget make_budget(const Project& project, const Design& design);
+/// `other`: that of the same fit with another alternative, whose figures of the cascade and of gains alone are taken.
+Budget make_budget(const Project& project, const Design& design, const Budget* other = nullptr);
 
 /// Frequencies for tables and plots of the stages: a decade beyond the design's band on either side, an octave where nothing else
 /// than the target's band was asked for.
@@ -42,8 +43,8 @@ struct AlternativeStudy {
   std::vector<std::string> refused;  ///< why board or parts cannot make it
 };
 
-/// One for every alternative, in their order. The one that the run builds is not made anew.
+/// One for every alternative, in their order. The one that the run builds, of which `budget` is, is not made anew.
 std::vector<AlternativeStudy> study_alternatives(const Project& project, const Design& design,
-                                                 AlternativeHardware& hardware);
+                                                 const Budget& budget, AlternativeHardware& hardware);
 
 }  // namespace bodesmith::project

@@ -14,15 +14,14 @@ struct BoardInTime {
   double difference_percent = 0.0;  ///< rms between both drives, of the stroke
 };
 
-/// The better of a board's two forms (one pass, fed by its own drive) by `followed`. Frequencies from the highest down, until what
-/// ngspice has to do passes some seconds.
+/// The better of a board's two forms (one pass, fed by its own drive), harmonic by harmonic. Frequencies from the highest down, until
+/// what ngspice has to do passes some seconds.
 struct BoardsInTime {
   std::string key;  ///< of that form (tracked::); empty: no board
   std::vector<BoardInTime> at;
   std::string missing;  ///< why not, or not everywhere
 };
 BoardsInTime track_board_in_time(const Project& project, const Design& design,
-                                 const std::vector<TrackedCandidate>& candidates,
-                                 const tracking::Report& followed);
+                                 const std::vector<TrackedCandidate>& candidates);
 
 }  // namespace bodesmith::project

@@ -133,10 +133,12 @@ ControllerReport examine(const controller::AnalogController& controller, const t
   out.loop = options.ngspice && ngspice::is_available() ? controller::checked_loop_stability(controller)
                                                         : controller::loop_stability(controller);
   controller::require_stable(out.loop, options.allow_unstable);
-  out.study = study_errors(controller, stage, options.study);
-  out.trims = study_trims(controller, stage, options.study, options.trims, &out.study);
+  StudyOptions study = options.study;
+  study.switch_delays_s = switch_delays_s(controller, study.frequencies);
+  out.study = study_errors(controller, stage, study);
+  out.trims = study_trims(controller, stage, study, options.trims, &out.study);
   if (options.ngspice && options.checked_draws > 0 && ngspice::is_available())
-    out.checked = check_draws(controller, stage, options.study, options.checked_draws);
+    out.checked = check_draws(controller, stage, study, options.checked_draws);
   out.seconds = watch.seconds();
   return out;
 }

@@ -87,14 +87,23 @@ ErrorSpread spread_of(std::vector<double> percent, double nominal) {
           percent.empty() ? 0.0 : percent.back()};
 }
 
+std::vector<double> switch_delays_s(const AnalogController& controller,
+                                    const std::vector<Hertz>& frequencies) {
+  std::vector<double> out(frequencies.size(), 0.0);
+  for (std::size_t i = 0; i < out.size() && controller.switched(); ++i)
+    out[i] = controller::switch_delay_s(controller, tracking::Reference(), frequencies[i]);
+  return out;
+}
+
 Bench::Bench(const AnalogController& controller, const tracking::Stage& stage, const StudyOptions& options)
     : wiring_(controller), stage_(stage), frequencies_(options.frequencies) {
   if (frequencies_.empty()) throw InputError("no frequency to track, expected at least one");
   const std::size_t samples = options.samples * options.reference.periods();
-  for (const Hertz f : frequencies_) {
-    inputs_.push_back(input_of(options.reference, f, samples));
-    if (controller.switched())
-      inputs_.back().switch_delay_s = controller::switch_delay_s(controller, tracking::Reference(), f);
+  const std::vector<double> delays =
+      options.switch_delays_s.empty() ? switch_delays_s(controller, frequencies_) : options.switch_delays_s;
+  for (std::size_t i = 0; i < frequencies_.size(); ++i) {
+    inputs_.push_back(input_of(options.reference, frequencies_[i], samples));
+    inputs_.back().switch_delay_s = delays[i];
   }
 }
 

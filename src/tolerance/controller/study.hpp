@@ -15,9 +15,13 @@ struct StudyOptions {
   tracking::Reference reference;
   std::uint64_t draws = 1000;
   std::uint64_t seed = 1;
-  int threads = 0;            ///< 0: as many as there are cores
-  std::size_t samples = 256;  ///< a period
+  int threads = 0;                           ///< 0: as many as there are cores
+  std::size_t samples = 256;                 ///< a period
+  std::vector<double> switch_delays_s = {};  ///< of the frequencies, where they are known
 };
+/// controller::switch_delay_s() of the triangle at each frequency; 0 without a switch.
+std::vector<double> switch_delays_s(const controller::AnalogController& controller,
+                                    const std::vector<Hertz>& frequencies);
 
 /// Tracking error (rms, percent of range, lag removed) of all copies at one frequency.
 struct ErrorSpread {

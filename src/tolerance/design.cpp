@@ -28,11 +28,11 @@ void check_cams(const fpaa::Plan& board, const Node& plan) {
     const std::vector<Node> cams = chips.at(chip_index++).at("cams").items();
     for (std::size_t c = 0; c < chip.cams.size(); ++c) {
       const fpaa::PlacedCam& cam = chip.cams[c];
-      const auto made = cam.cam->transfers(cam, fpaa::CapacitorUnits(cam.capacitors));
-      for (std::size_t i = 0; i < made.size(); ++i) {
+      const fpaa::ZTransfer made = cam.cam->transfer(cam, fpaa::CapacitorUnits(cam.capacitors));
+      for (std::size_t i = 1; i <= cam.input_count(); ++i) {
         for (const double share : {0.01, 0.1, 0.4}) {
           const RadPerSecond w = Hertz{share * cam.clock_a.value}.rad_s();
-          const Complex x = made[i].response(w, cam.clock_a), y = cam.z_from(i + 1).response(w, cam.clock_a);
+          const Complex x = made.response(w, cam.clock_a, i), y = cam.z.response(w, cam.clock_a, i);
           if (std::abs(x - y) <= 1e-6 * (std::abs(x) + std::abs(y))) continue;
           cams[c].at("capacitors").fail("do not make the CAM's z_numerators and z_denominator");
         }

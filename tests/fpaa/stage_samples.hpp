@@ -30,7 +30,7 @@ inline std::vector<StageSample> stage_samples() {
     s.cam.phase = phase;
     s.cam.realised = std::move(realised);
     s.late_periods = std::move(late);
-    s.cam.more_numerators.resize(s.late_periods.size() - 1);
+    s.cam.z.numerators.resize(s.late_periods.size());
     s.cam.find_z();
     out.push_back(std::move(s));
   };

@@ -74,7 +74,7 @@ void add_network(const Node& node, exchange::Exportable& out) {
     exchange::SampledBlock block{cam.name, cam.cam->clock_a.value, {}, cam.cam->z.denominator};
     for (const fpaa::PlanGraph::Input& input : cam.inputs) {
       block.inputs.push_back({input.from.node ? graph.nodes[*input.from.node].name : std::string(),
-                              cam.cam->z_from(input.number).numerator});
+                              cam.cam->z.numerators[input.number - 1]});
     }
     network.blocks.push_back(std::move(block));
   }

@@ -133,7 +133,7 @@ void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, con
   out.add("build_sheet.html", fpaa::build_sheet_html(plan));
   out.add("board.svg", fpaa::board_picture_svg(plan));
   if (!plan.trade_off.empty()) out.add("trade_off.svg", report::to_svg(project::trade_off_plot(plan)));
-  if (fpaa::has_zrna_script(plan)) out.add("zrna.py", fpaa::zrna_script(plan));
+  if (const auto script = fpaa::zrna_script(plan)) out.add("zrna.py", *script);
   if (netlist) {
     out.add("board.sub", value_or_throw(fpaa::board_netlist(plan, *netlist, "FPAA plan")));
     out.add("board.cir", fpaa::board_deck(plan, "FPAA plan"));

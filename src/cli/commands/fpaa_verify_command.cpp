@@ -93,14 +93,6 @@ fpaa::an231::SignalPins verified_pins(const CommandLine& line, const VerifyRefer
   return pins;
 }
 
-Json verify_error_json(const fpaa::PlanError& e) {
-  return {{"band_hz", {e.band.from.value, e.band.to.value}},
-          {"max_magnitude_db", e.max_magnitude_db},
-          {"max_phase_deg", e.max_phase_deg},
-          {"max_complex_percent", e.max_complex_percent},
-          {"worst_hz", e.worst.value}};
-}
-
 std::string verify_error_text(const char* what, const fpaa::PlanError& e) {
   return fmt::format("{}: at most {} dB, {} deg, {} % (at {} Hz) from {} to {} Hz\n", what,
                      rounded_text(e.max_magnitude_db), rounded_text(e.max_phase_deg),
@@ -141,7 +133,7 @@ void hold_against(const CommandLine& line, const fpaa::an231::BoardCircuit& boar
   if (reference.plan) {
     const fpaa::SwitchedBoard plan(*reference.plan);
     const auto e = error([&](RadPerSecond w) { return plan.gain(w); });
-    out.json["plan"] = {{"error_with_delays", verify_error_json(e)}};
+    out.json["plan"] = {{"error_with_delays", e.to_json()}};
     out.text += verify_error_text("bytes against the plan", e);
     const bool limited = line.has("max-error-percent");
     out.differs =
@@ -150,7 +142,7 @@ void hold_against(const CommandLine& line, const fpaa::an231::BoardCircuit& boar
   }
   if (!reference.sections) return;
   const auto e = error([&](RadPerSecond w) { return reference.sections->response(w); });
-  out.json["sections"] = {{"error_with_delays", verify_error_json(e)}};
+  out.json["sections"] = {{"error_with_delays", e.to_json()}};
   out.text += verify_error_text("bytes against the sections", e);
   const auto above = [&](const char* option, double value) {
     const auto limit = line.maybe<double>(option);

@@ -11,9 +11,7 @@
 namespace bodesmith::fpaa {
 
 void PlacedCam::find_z() {
-  const std::vector<DeltaTransfer> made = cam->transfers(*this, CapacitorUnits(capacitors));
-  z = made[0].in_z();
-  for (std::size_t i = 1; i < made.size(); ++i) more_numerators[i - 1] = made[i].in_z().numerator;
+  z = cam->transfer(*this, CapacitorUnits(capacitors));
 }
 
 std::string_view PlacedCam::cam_name() const {
@@ -21,15 +19,8 @@ std::string_view PlacedCam::cam_name() const {
 }
 
 const CamParameter* Cam::parameter(std::string_view key) const {
-  const auto at = std::find_if(facts_.parameters.begin(), facts_.parameters.end(),
-                               [&](const CamParameter& p) { return p.key == key; });
+  const auto at = std::ranges::find(facts_.parameters, key, &CamParameter::key);
   return at == facts_.parameters.end() ? nullptr : &*at;
-}
-
-std::vector<DeltaTransfer> Cam::transfers(const PlacedCam& cam, const CapacitorUnits&) const {
-  std::vector<DeltaTransfer> out;
-  for (std::size_t i = 1; i <= cam.input_count(); ++i) out.push_back(in_delta(cam.z_from(i)));
-  return out;
 }
 
 }  // namespace bodesmith::fpaa

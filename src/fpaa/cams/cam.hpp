@@ -79,9 +79,9 @@ class Cam {
   virtual bool place(const FilterStage&, PlacedCam&) const { return false; }
 
   // A placed CAM. Only CAMs that are used in plans are asked.
-  /// H of these capacitors, which need not be whole numbers, from every input over one denominator; `cam` says option and form.
-  /// (`cam.z` as it stands, whatever the capacitors, where it is not known which of them makes what.)
-  virtual std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& units) const;
+  /// H of these capacitors; `cam` says option, form and how many inputs. (`cam.z` as it stands, whatever the capacitors, where it is not
+  /// known which of them makes what.)
+  virtual ZTransfer transfer(const PlacedCam& cam, const CapacitorUnits&) const { return cam.z; }
   /// A CAM of other parts than switched capacitors at work; empty for the others, which are their switches.
   virtual CamStep step(const PlacedCam&) const { return {}; }
   /// The capacitors as the vendor's component table of this CAM lists them.

@@ -61,8 +61,7 @@ CamValues CamValues::from_node(const Node& node) {
 }
 
 const CamValues::Entry* CamValues::find(std::string_view key) const {
-  const auto at =
-      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
+  const auto at = std::ranges::find(entries_, key, &Entry::key);
   return at == entries_.end() ? nullptr : &*at;
 }
 

@@ -69,26 +69,28 @@ double FilterStage::switched_units(int opamp) const {
   return c[kC3] + (kind == Kind::second_low ? c[kC4] + c[kCp] : 0.0);
 }
 
-std::vector<DeltaTransfer> FilterStage::transfers() const {
-  std::vector<DeltaTransfer> out;
+ZTransfer FilterStage::transfer() const {
+  ZTransfer out{{}, {}};  // in powers of D = 1 - 1/z
   if (is_first()) {
     const std::size_t n = 2 * inputs();
-    for (std::size_t i = 0; i < n; i += 2) out.push_back({{-c[i], -c[i + 1]}, {c[n], c[n + 1]}});
+    for (std::size_t i = 0; i < n; i += 2) out.numerators.push_back({-c[i], -c[i + 1]});
+    out.denominator = {c[n], c[n + 1]};
   } else {
-    // 1/z = 1 - D.
     const double loop = c[kC2] * c[kC3];
     const double first = (c1_inverting ? 1.0 : -1.0) * c[kC1] * c[kC3];
     if (kind == Kind::second_high) {
-      out.push_back({{-first, first - c[kCp] * c[kC3], c[kCp] * c[kC3] - c[kCpp] * c[kCA]},
-                     {loop, c[kC3] * c[kC4] - loop, c[kCA] * c[kCB] - c[kC3] * c[kC4]}});
+      out.numerators = {{-first, first - c[kCp] * c[kC3], c[kCp] * c[kC3] - c[kCpp] * c[kCA]}};
+      out.denominator = {loop, c[kC3] * c[kC4] - loop, c[kCA] * c[kCB] - c[kC3] * c[kC4]};
     } else {
-      out.push_back({{-first, first - c[kCp] * c[kCA], -c[kCpp] * c[kCA]},
-                     {loop, c[kCA] * c[kC4] - loop, c[kCA] * c[kCB]}});
+      out.numerators = {{-first, first - c[kCp] * c[kCA], -c[kCpp] * c[kCA]}};
+      out.denominator = {loop, c[kCA] * c[kC4] - loop, c[kCA] * c[kCB]};
     }
   }
   // Without the powers of D of inputs that are not there.
-  std::vector<double>& above = out.front().numerator;
+  std::vector<double>& above = out.numerators.front();
   while (is_vendors() && above.size() > 1 && above.back() == 0.0) above.pop_back();
+  for (std::vector<double>& numerator : out.numerators) numerator = in_one_minus(numerator);
+  out.denominator = in_one_minus(out.denominator);
   return out;
 }
 
@@ -160,7 +162,7 @@ bool FilterCam::place(const FilterStage& stage, PlacedCam& out) const {
   out.option = option_of(stage);
   out.requested = out.realised = shown(stage, out.clock_a);
   out.resources = stage.resources();
-  out.more_numerators.resize(stage.inputs() - 1);
+  out.z.numerators.resize(stage.inputs());
   out.capacitors.clear();
   for (const Named& one : names(out)) {
     if (stage.c[one.at] > 0.0) out.capacitors.push_back({one.name, nearest_whole<int>(stage.c[one.at])});
@@ -175,8 +177,8 @@ FilterStage FilterCam::stage_of(const PlacedCam& cam, const CapacitorUnits& unit
   return out;
 }
 
-std::vector<DeltaTransfer> FilterCam::transfers(const PlacedCam& cam, const CapacitorUnits& units) const {
-  return stage_of(cam, units).transfers();
+ZTransfer FilterCam::transfer(const PlacedCam& cam, const CapacitorUnits& units) const {
+  return stage_of(cam, units).transfer();
 }
 
 std::optional<StageSwitches> FilterCam::switches(const PlacedCam& cam, const CapacitorUnits& units) const {

@@ -55,8 +55,7 @@ struct FilterStage {
   /// The capacitors whose sum is switched into op-amp `opamp` (1 or 2): they bring kT/C noise there.
   double switched_units(int opamp) const;
 
-  /// From every input, over one denominator.
-  std::vector<DeltaTransfer> transfers() const;
+  ZTransfer transfer() const;
   /// Pole, or where both integrators turn: w0 = 2 fc sin(pi f0/fc), by LDI.
   Hertz corner(Hertz clock) const;
   /// Low Q: CB (w0/fc)/C4; high Q: sqrt(CA CB C2/C3)/C4.
@@ -76,7 +75,7 @@ class FilterCam : public Cam {
  public:
   using Cam::Cam;
   bool place(const FilterStage& stage, PlacedCam& out) const final;
-  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& units) const final;
+  ZTransfer transfer(const PlacedCam& cam, const CapacitorUnits& units) const final;
   std::optional<StageSwitches> switches(const PlacedCam& cam, const CapacitorUnits& units) const final;
 
  protected:

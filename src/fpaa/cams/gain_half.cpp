@@ -13,8 +13,8 @@ class GainHalfCam : public Cam {
                      .resources = Resources{.opamps = 1, .capacitors = 2},
                      .half_cycle_output = true}) {}
 
-  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    return {DeltaTransfer{{(cam.option == kGainHalfNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}}};
+  ZTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    return {{{(cam.option == kGainHalfNonInverting ? 1.0 : -1.0) * c["Cin"]}}, {c["Cout"]}};
   }
 
   /// SumDiff with one input.

@@ -17,8 +17,8 @@ class GainHoldCam : public Cam {
  public:
   GainHoldCam() : Cam(CamFacts{.name = "GainHold", .resources = Resources{.opamps = 1, .capacitors = 3}}) {}
 
-  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    return {DeltaTransfer{{(cam.option == kGainHoldNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}}};
+  ZTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    return {{{(cam.option == kGainHoldNonInverting ? 1.0 : -1.0) * c["Cin"]}}, {c["Cout"]}};
   }
 
   /// Cin and Cout are emptied in the other phase, while the third capacitor keeps the output.

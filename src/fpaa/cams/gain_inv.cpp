@@ -21,8 +21,8 @@ class GainInv : public Cam {
     return "GainInv is there to keep the total sign (every FilterBilinear inverts) or to carry gain.";
   }
 
-  std::vector<DeltaTransfer> transfers(const PlacedCam&, const CapacitorUnits& c) const override {
-    return {DeltaTransfer{{-c["Cin"]}, {c["Cout"]}}};
+  ZTransfer transfer(const PlacedCam&, const CapacitorUnits& c) const override {
+    return {{{-c["Cin"]}}, {c["Cout"]}};
   }
 
   /// The pair may be there twice.

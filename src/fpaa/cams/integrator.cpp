@@ -11,9 +11,10 @@ class IntegratorCam : public Cam {
   IntegratorCam()
       : Cam(CamFacts{.name = "Integrator", .resources = Resources{.opamps = 1, .capacitors = 2}}) {}
 
-  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    if (cam.option == kNonInverting) return {DeltaTransfer{{c["Cin"], -c["Cin"]}, {0.0, c["Cint"]}}};
-    return {DeltaTransfer{{-c["Cin"]}, {0.0, c["Cint"]}}};
+  ZTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    const std::vector<double> above =
+        cam.option == kNonInverting ? std::vector{0.0, c["Cin"]} : std::vector{-c["Cin"]};
+    return {{above}, {c["Cint"], -c["Cint"]}};
   }
 
   /// Not inverting: Cin takes up the input in phase 1 and gives it in phase 2, so that the sample is in the

@@ -23,9 +23,4 @@ double CapacitorUnits::operator[](std::string_view name) const {
   return 0.0;
 }
 
-ZTransfer PlacedCam::z_from(std::size_t input) const {
-  if (input == 1) return z;
-  return {more_numerators.at(input - 2), z.denominator};
-}
-
 }  // namespace bodesmith::fpaa

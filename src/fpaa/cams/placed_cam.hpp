@@ -45,23 +45,18 @@ struct PlacedCam {
   int cab = 1;               ///< 1-4
   int clock_index = 0;       ///< Clock 0-3 of its chip
   Hertz clock_a;
-  int phase = 1;                       ///< output phase
-  std::optional<std::size_t> section;  ///< index into sections.json, from 0
+  int phase = 1;  ///< output phase
   CamValues requested;
   CamValues realised;
   std::vector<Capacitor> capacitors;
-  ZTransfer z;  ///< exactly what the capacitors make, at clock_a, from input 1 to the output
-  /// Numerators from input 2, 3, … on, over z's denominator; empty for a CAM with one input.
-  std::vector<std::vector<double>> more_numerators;
+  ZTransfer z;                ///< exactly what the capacitors make, at clock_a, from each input to the output
   double delay_cycles = 0.0;  ///< from input sample to output, beyond z
   Resources resources;
 
   /// As AnadigmDesigner2 writes it: "FilterBilinear".
   std::string_view cam_name() const;
-  std::size_t input_count() const { return 1 + more_numerators.size(); }
-  /// From one input (counted from 1) to the output, without delay and hold.
-  ZTransfer z_from(std::size_t input) const;
-  /// z and more_numerators (as many as there are) as the capacitors make them.
+  std::size_t input_count() const { return z.numerators.size(); }
+  /// z, of as many inputs as it has, as the capacitors make it.
   void find_z();
 };
 

@@ -27,11 +27,11 @@ class SumDiffCam : public Cam {
     return out;
   }
 
-  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    std::vector<DeltaTransfer> out;
+  ZTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    ZTransfer out{{}, {c["Cout"]}};
     for (std::size_t i = 1; i <= cam.input_count(); ++i) {
       const double gain = cam.realised.number(fmt::format("gain_{}", i)).value_or(-1.0);
-      out.push_back({{std::copysign(c[fmt::format("Cin{}", i)], gain)}, {c["Cout"]}});
+      out.numerators.push_back({std::copysign(c[fmt::format("Cin{}", i)], gain)});
     }
     return out;
   }

@@ -9,9 +9,8 @@ class SumFilterCam : public Cam {
  public:
   SumFilterCam() : Cam(CamFacts{.name = "SumFilter", .resources = Resources{.opamps = 1, .capacitors = 4}}) {}
 
-  std::vector<DeltaTransfer> transfers(const PlacedCam&, const CapacitorUnits& c) const override {
-    const std::vector<double> denominator{c["Cout"], c["Cint"]};
-    return {DeltaTransfer{{-c["C1"]}, denominator}, DeltaTransfer{{-c["C2"]}, denominator}};
+  ZTransfer transfer(const PlacedCam&, const CapacitorUnits& c) const override {
+    return {{{-c["C1"]}, {-c["C2"]}}, {c["Cout"] + c["Cint"], -c["Cint"]}};
   }
 
   /// Taken to be the FilterBilinear low pass with a second input branch.

@@ -10,6 +10,7 @@
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/device/config_stream.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::fpaa {
@@ -75,9 +76,7 @@ class TransferFunctionCam : public Cam {
 }  // namespace
 
 CamValues LookupTable::values() const {
-  std::string hex;
-  for (const std::uint8_t byte : bytes) hex += fmt::format("{:02X}", byte);
-  return {{"cout", static_cast<double>(cout)}, {kTableKey, hex}};
+  return {{"cout", static_cast<double>(cout)}, {kTableKey, hex_text(bytes)}};
 }
 
 LookupTable LookupTable::from(const CamValues& values) {

@@ -13,18 +13,6 @@ std::complex<double> polynomial(const std::vector<double>& coefficients, std::co
   return sum;
 }
 
-/// A polynomial in 1 - x as one in x, by Horner's rule on polynomials.
-std::vector<double> expanded(const std::vector<double>& in_one_minus_x) {
-  std::vector<double> out;
-  for (auto c = in_one_minus_x.rbegin(); c != in_one_minus_x.rend(); ++c) {
-    // out (1 - x) + c
-    out.push_back(0.0);
-    for (std::size_t k = out.size() - 1; k > 0; --k) out[k] -= out[k - 1];
-    out[0] += *c;
-  }
-  return out;
-}
-
 double sum(const std::vector<double>& values) {
   double total = 0.0;
   for (const double value : values) total += value;
@@ -33,30 +21,27 @@ double sum(const std::vector<double>& values) {
 
 }  // namespace
 
-std::complex<double> ZTransfer::response(RadPerSecond w, Hertz clock) const {
+std::complex<double> ZTransfer::response(RadPerSecond w, Hertz clock, std::size_t input) const {
   const std::complex<double> z_inverse = std::polar(1.0, -w.value / clock.value);
-  return polynomial(numerator, z_inverse) / polynomial(denominator, z_inverse);
+  return polynomial(numerators.at(input - 1), z_inverse) / polynomial(denominator, z_inverse);
 }
 
-double ZTransfer::dc_gain() const {
+double ZTransfer::dc_gain(std::size_t input) const {
   const double bottom = sum(denominator);
   if (bottom == 0.0) return std::numeric_limits<double>::infinity();
-  return sum(numerator) / bottom;
+  return sum(numerators.at(input - 1)) / bottom;
 }
 
-std::complex<double> DeltaTransfer::response(RadPerSecond w, Hertz clock) const {
-  const std::complex<double> d = 1.0 - std::polar(1.0, -w.value / clock.value);
-  return polynomial(numerator, d) / polynomial(denominator, d);
-}
-
-ZTransfer DeltaTransfer::in_z() const {
-  return {expanded(numerator), expanded(denominator)};
-}
-
-DeltaTransfer in_delta(const ZTransfer& z) {
-  // z^-k = (1 - D)^k: the same change of variable in either direction.
-  const ZTransfer swapped = DeltaTransfer{z.numerator, z.denominator}.in_z();
-  return {swapped.numerator, swapped.denominator};
+std::vector<double> in_one_minus(const std::vector<double>& coefficients) {
+  // By Horner's rule on polynomials.
+  std::vector<double> out;
+  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) {
+    // out (1 - x) + c
+    out.push_back(0.0);
+    for (std::size_t k = out.size() - 1; k > 0; --k) out[k] -= out[k - 1];
+    out[0] += *c;
+  }
+  return out;
 }
 
 }  // namespace bodesmith::fpaa

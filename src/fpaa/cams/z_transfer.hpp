@@ -7,33 +7,20 @@
 
 namespace bodesmith::fpaa {
 
-/// A sampled transfer in ascending powers of z^-1:
+/// A sampled transfer from one or more inputs over one denominator, in ascending powers of z^-1:
 ///   H(z) = (b0 + b1 z^-1 + ...) / (a0 + a1 z^-1 + ...),   z = exp(j w / fc) on the frequency axis.
-/// Without holds and delays: the relation between samples.
+/// Without holds and delays: the relation between samples. Inputs are counted from 1.
 struct ZTransfer {
-  std::vector<double> numerator{1.0};
+  std::vector<std::vector<double>> numerators{{1.0}};
   std::vector<double> denominator{1.0};
 
-  std::complex<double> response(RadPerSecond w, Hertz clock) const;
+  std::complex<double> response(RadPerSecond w, Hertz clock, std::size_t input = 1) const;
   /// H(1); infinite for an integrator.
-  double dc_gain() const;
+  double dc_gain(std::size_t input = 1) const;
 };
 
-/// The same transfer in powers of D = 1 - 1/z, the form in which switched-capacitor circuits are written
-/// down:
-///   H = (n0 + n1 D + ...) / (d0 + d1 D + ...).
-/// D is small where the clock is fast, so that capacitors need not be whole numbers for this to be exact
-/// where ZTransfer would cancel.
-struct DeltaTransfer {
-  std::vector<double> numerator{1.0};
-  std::vector<double> denominator{1.0};
-
-  std::complex<double> response(RadPerSecond w, Hertz clock) const;
-  /// In powers of 1/z; exact for whole-number coefficients.
-  ZTransfer in_z() const;
-};
-
-/// The same transfer in powers of D.
-DeltaTransfer in_delta(const ZTransfer& z);
+/// A polynomial in powers of D = 1 - 1/z, the form in which switched-capacitor circuits are written down, in powers of 1/z, or the other
+/// way round: the same change of variable. Exact for whole numbers.
+std::vector<double> in_one_minus(const std::vector<double>& coefficients);
 
 }  // namespace bodesmith::fpaa

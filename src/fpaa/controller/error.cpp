@@ -31,7 +31,7 @@ class RestingBranches {
     if (fresh) step->second = cam.cam->step(cam);
     if (step->second) return step->second(inputs);
     double sum = 0.0;
-    for (std::size_t i = 0; i < inputs.size(); ++i) sum += cam.z_from(i + 1).dc_gain() * inputs[i];
+    for (std::size_t i = 0; i < inputs.size(); ++i) sum += cam.z.dc_gain(i + 1) * inputs[i];
     return sum;
   }
 

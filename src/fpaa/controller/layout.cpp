@@ -153,8 +153,7 @@ class ControllerLayout {
     const double cout = std::max(1, whole_number<int>(board_.max_capacitor / std::max(1.0, cycles)));
     ControllerCam filter = filtered(delay, {cout, 0, cout, std::round(cycles * cout)});
     filter.group = find(prefix + "Output")->group;
-    const auto output = std::find_if(out_.cams.begin(), out_.cams.end(),
-                                     [&](const ControllerCam& c) { return c.name == prefix + "Output"; });
+    const auto output = std::ranges::find(out_.cams, prefix + "Output", &ControllerCam::name);
     out_.cams.insert(output, std::move(filter));
   }
 

@@ -125,14 +125,12 @@ ControllerVariant ControllerVariant::at(const Disturbance& disturbance, Hertz op
 }
 
 const ControllerCam* ControllerVariant::find(std::string_view cam) const {
-  const auto at =
-      std::find_if(cams.begin(), cams.end(), [&](const ControllerCam& c) { return c.name == cam; });
+  const auto at = std::ranges::find(cams, cam, &ControllerCam::name);
   return at == cams.end() ? nullptr : &*at;
 }
 
 const OutsidePart* ControllerVariant::find_outside(std::string_view part) const {
-  const auto at =
-      std::find_if(outside.begin(), outside.end(), [&](const OutsidePart& p) { return p.name == part; });
+  const auto at = std::ranges::find(outside, part, &OutsidePart::name);
   return at == outside.end() ? nullptr : &*at;
 }
 

@@ -84,7 +84,7 @@ void take_units(ControllerCam& cam, const std::vector<double>& gains, const Weig
     if (!single) cam.late[i] = gains[i] > 0.0;
   }
   cam.capacitors.push_back({"Cout", units.out});
-  cam.more_numerators.resize(gains.size() - 1);
+  cam.z.numerators.resize(gains.size());
   cam.find_z();
   if (single) cam.capacitors.push_back({"Chold", kHoldUnits});
 }

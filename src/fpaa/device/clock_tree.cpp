@@ -10,8 +10,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr int kLargestDivisor = 510;
-
 const std::vector<int>& divisors() {
   static const std::vector<int> all = [] {
     std::vector<int> list{1};

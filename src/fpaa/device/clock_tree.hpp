@@ -21,6 +21,7 @@ struct ChipClock {
 };
 
 inline constexpr std::size_t kClocksOfChip = 6;
+inline constexpr int kLargestDivisor = 510;  ///< of a system clock, and of a chip clock
 
 struct ClockPlan {
   int sys1_divisor = 1;

@@ -172,8 +172,12 @@ std::string to_packet(const Bytes& bytes, bool as_primary) {
   std::string out(1, kStx);
   out += as_primary ? '0' : '1';
   out += fmt::format("{:04X}", 2 * bytes.size());
+  return out + hex_text(bytes) + kEtx;
+}
+
+std::string hex_text(std::span<const std::uint8_t> bytes) {
+  std::string out;
   for (const std::uint8_t byte : bytes) out += fmt::format("{:02X}", byte);
-  out += kEtx;
   return out;
 }
 

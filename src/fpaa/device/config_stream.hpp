@@ -3,6 +3,7 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -66,6 +67,9 @@ inline constexpr char kEtx = 0x03;
 /// The board's serial packet: STX, '0' primary or '1' update, four hex digits = number of hex characters, the
 /// bytes as hex text, ETX.
 std::string to_packet(const Bytes& bytes, bool as_primary);
+/// Two hexadecimal digits a byte.
+std::string hex_text(std::span<const std::uint8_t> bytes);
+
 struct Packet {
   bool primary = false;
   Bytes bytes;

@@ -10,12 +10,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-std::string hex_text(const Bytes& bytes) {
-  std::string out;
-  for (const std::uint8_t byte : bytes) out += fmt::format("{:02X}", byte);
-  return out;
-}
-
 /// What the templates are filled with.
 Json host_data(const GainSchedule& schedule, const std::string& file) {
   Json data;

@@ -104,7 +104,7 @@ std::string pin(int chip, const char* kind, const std::vector<std::string>& name
 }
 
 const WiredCam* find(const std::vector<WiredCam>& cams, const std::string& name) {
-  const auto at = std::find_if(cams.begin(), cams.end(), [&](const WiredCam& c) { return c.name == name; });
+  const auto at = std::ranges::find(cams, name, &WiredCam::name);
   return at == cams.end() ? nullptr : &*at;
 }
 

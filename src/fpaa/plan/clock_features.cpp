@@ -33,7 +33,7 @@ void add_poles(std::vector<ClockedPole>& out, Hertz clock, const std::vector<Com
 std::vector<ClockedPole> clocked_poles(const Plan& plan) {
   std::vector<ClockedPole> out;
   for (const PlacedCam* cam : plan.cams()) {
-    std::vector<double> below = in_delta(cam->z).denominator;
+    std::vector<double> below = in_one_minus(cam->z.denominator);
     if (below.size() > 3) continue;
     below.resize(3, 0.0);
     add_poles(out, cam->clock_a, roots_in_d(below[0], below[1], below[2]));

@@ -32,9 +32,8 @@ std::vector<ErrorBudget::CamShare> cam_shares(const std::vector<const PlacedCam*
     share.name = cam->name;
     share.gain = 0.0;
     for (std::size_t i = 1; i <= cam->input_count(); ++i) {
-      const ZTransfer z = cam->z_from(i);
-      const double dc = std::abs(z.response({0.0}, cam->clock_a));
-      const double top = std::abs(z.response(Hertz{0.5 * cam->clock_a.value}.rad_s(), cam->clock_a));
+      const double dc = std::abs(cam->z.response({0.0}, cam->clock_a, i));
+      const double top = std::abs(cam->z.response(Hertz{0.5 * cam->clock_a.value}.rad_s(), cam->clock_a, i));
       share.gain += std::max(dc, top);
     }
     share.settling_product_hz = (1.0 + share.gain) * cam->clock_a.value;

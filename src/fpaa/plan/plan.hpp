@@ -60,6 +60,8 @@ struct WireEnd {
 /// Differences between plan and sections over a band.
 struct PlanError : ResponseDifference {
   Band band;
+
+  Json to_json() const;
 };
 
 /// What 95 % of boards keep of a sine of `at_input_v` at the pin (the largest that clips no node), and its parts, in

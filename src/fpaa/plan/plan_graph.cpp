@@ -92,7 +92,7 @@ class GraphBuilder {
 
   /// Whether this input acts on the output at the same edge.
   static bool at_once(const PlanGraph::PlanNode& node, const PlanGraph::Input& input) {
-    return node.cam->z_from(input.number).numerator[0] != 0.0 && node.delay == 0;
+    return node.cam->z.numerators[input.number - 1][0] != 0.0 && node.delay == 0;
   }
 
   void find_order() {

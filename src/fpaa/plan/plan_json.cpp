@@ -9,14 +9,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-Json error_json(const PlanError& error) {
-  return {{"band_hz", {error.band.from.value, error.band.to.value}},
-          {"max_magnitude_db", error.max_magnitude_db},
-          {"max_phase_deg", error.max_phase_deg},
-          {"max_complex_percent", error.max_complex_percent},
-          {"worst_hz", error.worst.value}};
-}
-
 Json total_json(const PlanTotal& total) {
   return {{"p95_percent", total.p95_percent},           {"at_input_v", total.at_input_v},
           {"designed_percent", total.designed_percent}, {"mismatch_p95_percent", total.mismatch_p95_percent},
@@ -87,17 +79,12 @@ Json cam_json(const PlacedCam& cam) {
   out["clock_a_hz"] = cam.clock_a.value;
   out["chip_clock"] = cam.clock_index;
   out["phase"] = cam.phase;
-  if (cam.section) out["section"] = *cam.section + 1;
   out["requested"] = cam.requested.to_json();
   out["realised"] = cam.realised.to_json();
   out["capacitors"] = Json::object();
   for (const Capacitor& c : cam.capacitors) out["capacitors"][c.name] = c.units;
-  out["z_numerator"] = cam.z.numerator;
-  if (cam.input_count() > 1) {
-    Json numerators = Json::array({cam.z.numerator});
-    for (const auto& numerator : cam.more_numerators) numerators.push_back(numerator);
-    out["z_numerators"] = std::move(numerators);
-  }
+  out["z_numerator"] = cam.z.numerators[0];
+  if (cam.input_count() > 1) out["z_numerators"] = cam.z.numerators;
   out["z_denominator"] = cam.z.denominator;
   out["delay_cycles"] = cam.delay_cycles;
   out["resources"] = {{"opamps", cam.resources.opamps},
@@ -121,27 +108,15 @@ const Cam& cam_type_from(const Node& node) {
 }
 
 /// `z_numerators`, one an input; a CAM with one input may have `z_numerator` alone.
-void read_numerators(const Node& node, PlacedCam& cam) {
-  const auto numbers = [](const Node& list) {
-    std::vector<double> out = list.numbers();
-    if (out.empty()) list.fail("is empty, expected [b0, b1, ...]");
-    return out;
-  };
-  if (!node.has("z_numerators")) {
-    cam.z.numerator = numbers(node.at("z_numerator"));
-    return;
+std::vector<std::vector<double>> numerators_from(const Node& node) {
+  const bool all = node.has("z_numerators");
+  std::vector<std::vector<double>> out;
+  for (const Node& list : all ? node.at("z_numerators").items() : std::vector{node.at("z_numerator")}) {
+    out.push_back(list.numbers());
+    if (out.back().empty()) list.fail("is empty, expected [b0, b1, ...]");
   }
-  const Node all = node.at("z_numerators");
-  if (all.items().empty()) all.fail("is empty, expected one [b0, b1, ...] an input");
-  bool first = true;
-  for (const Node& list : all.items()) {
-    if (first) {
-      cam.z.numerator = numbers(list);
-    } else {
-      cam.more_numerators.push_back(numbers(list));
-    }
-    first = false;
-  }
+  if (out.empty()) node.at("z_numerators").fail("is empty, expected one [b0, b1, ...] an input");
+  return out;
 }
 
 PlacedCam cam_from(const Node& node, const Board& board) {
@@ -153,15 +128,12 @@ PlacedCam cam_from(const Node& node, const Board& board) {
   cam.clock_a = {node.at("clock_a_hz").positive()};
   cam.clock_index = node.has("chip_clock") ? static_cast<int>(node.at("chip_clock").integer(0, 5)) : 0;
   cam.phase = node.has("phase") ? static_cast<int>(node.at("phase").integer(1, 2)) : 1;
-  if (node.has("section")) {
-    cam.section = static_cast<std::size_t>(node.at("section").integer(1, 1000000) - 1);
-  }
   if (node.has("requested")) cam.requested = CamValues::from_node(node.at("requested"));
   if (node.has("realised")) cam.realised = CamValues::from_node(node.at("realised"));
   for (const auto& [name, value] : node.at("capacitors").members()) {
     cam.capacitors.push_back({name, static_cast<int>(value.integer(0, 2 * board.max_capacitor))});
   }
-  read_numerators(node, cam);
+  cam.z.numerators = numerators_from(node);
   cam.z.denominator = node.at("z_denominator").numbers();
   if (cam.z.denominator.empty() || cam.z.denominator[0] == 0.0) {
     node.at("z_denominator").fail("expected [a0, a1, ...] with a0 other than 0");
@@ -273,6 +245,14 @@ void check_wires(const Plan& plan, const Node& node) {
 
 }  // namespace
 
+Json PlanError::to_json() const {
+  return {{"band_hz", {band.from.value, band.to.value}},
+          {"max_magnitude_db", max_magnitude_db},
+          {"max_phase_deg", max_phase_deg},
+          {"max_complex_percent", max_complex_percent},
+          {"worst_hz", worst.value}};
+}
+
 Json Plan::to_json() const {
   Json out;
   out["board"] = board;
@@ -281,8 +261,8 @@ Json Plan::to_json() const {
   for (const ChipPlan& chip : chips) out["chips"].push_back(chip_json(chip, facts));
   out["wires"] = wires_json(wires);
   out["signal_path"] = signal_path();
-  out["error"] = error_json(error);
-  out["error_with_delays"] = error_json(error_with_delays);
+  out["error"] = error.to_json();
+  out["error_with_delays"] = error_with_delays.to_json();
   if (total) out["total"] = total_json(*total);
   if (!trade_off.empty()) out["trade_off"] = trade_off_json(trade_off);
   out["largest_input_v"] = max_input_v;

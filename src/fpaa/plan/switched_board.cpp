@@ -64,7 +64,7 @@ std::complex<double> SwitchedBoard::sampled(RadPerSecond w) const {
     const PlanGraph::PlanNode& node = graph_.nodes[i];
     for (const PlanGraph::Input& input : node.inputs) {
       const std::complex<double> source = input.from.node ? out[*input.from.node] : 1.0;
-      out[i] += node.cam->z_from(input.number).response(w, node.cam->clock_a) * source;
+      out[i] += node.cam->z.response(w, node.cam->clock_a, input.number) * source;
     }
   }
   return out[*graph_.output->node];

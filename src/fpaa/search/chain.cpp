@@ -16,8 +16,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr int kMostDivisor = 510;  ///< of a system clock, and of a chip clock
-constexpr std::int64_t kMostTotal = 510 * 510;
+constexpr std::int64_t kMostTotal = kLargestDivisor * kLargestDivisor;
 /// A corner needs this many samples a radian: above, no positive capacitors put a pole there.
 constexpr double kSamplesARadian = 1.0;
 
@@ -130,7 +129,7 @@ bool set_gain(Design& design, const StageFactorTable& table) {
 std::int64_t fastest_divisor(double master_hz, double clock_hz) {
   const double total = std::clamp(master_hz / clock_hz, 2.0, 65536.0);
   double by = 1.0;
-  while (total / by > kMostDivisor * (1.0 + kSame)) by *= 2.0;
+  while (total / by > kLargestDivisor * (1.0 + kSame)) by *= 2.0;
   return whole_number<std::int64_t>(by) * 2 *
          whole_number<std::int64_t>(std::max(1.0, std::floor(total / by / 2.0 * (1.0 + kSame))));
 }

@@ -104,9 +104,7 @@ void polish_pairs(Design& design, const StageFactorTable& table, const MismatchM
     Judged out;
     out.effects = capacitor_effects(response);
     out.errors = response.errors();
-    const std::vector<double> sigma = mismatch_sigma(out.effects, d, mismatch);
-    for (std::size_t k = 0; k < out.errors.size(); ++k) {
-      const double own = error_of_95_percent(out.errors[k], sigma[k]);
+    for (const double own : errors_of_95_percent(out.errors, out.effects, d, mismatch)) {
       out.smooth += eighth_power(own * own);
       out.largest = std::max(out.largest, own);
     }

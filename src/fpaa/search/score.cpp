@@ -81,15 +81,14 @@ std::pair<bool, double> DesignScore::place(double missing, int opamps, bool vend
   return {missing > 0.0, snapped(rank(opamps, vendor) * (1.0 + missing))};
 }
 
-std::vector<double> mismatch_sigma(const CapacitorEffects& effects, const Design& design,
-                                   const MismatchModel& mismatch) {
-  std::vector<double> out;
+std::vector<double> errors_of_95_percent(const std::vector<Complex>& errors, const CapacitorEffects& effects,
+                                         const Design& design, const MismatchModel& mismatch) {
+  std::vector<double> out(errors.size(), 0.0);
   for (const CapacitorEffect& effect : effects.list) {
-    out.resize(effect.values.size(), 0.0);
     const double sigma = mismatch.relative_sigma(design.stages[effect.stage].c[effect.capacitor]);
     for (std::size_t k = 0; k < out.size(); ++k) out[k] += std::norm(effect.values[k]) * sigma * sigma;
   }
-  for (double& v : out) v = std::sqrt(v);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = error_of_95_percent(errors[k], std::sqrt(out[k]));
   return out;
 }
 
@@ -245,14 +244,13 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
   const DesignTarget& target = table.target();
   const std::vector<Complex> errors = response.errors();
   const CapacitorEffects effects = capacitor_effects(response);
-  const std::vector<double> sigma = mismatch_sigma(effects, design, assumptions.mismatch);
+  const std::vector<double> p95 = errors_of_95_percent(errors, effects, design, assumptions.mismatch);
   DesignScore out;
   for (std::size_t k = 0; k < errors.size(); ++k) {
     if (target.weight[k] < 1.0) continue;
     const double designed = std::abs(errors[k]);
-    const double p95 = error_of_95_percent(errors[k], sigma[k]);
     if (!(designed <= out.designed)) out.designed = designed;
-    if (!(p95 <= out.p95)) out.p95 = p95;
+    if (!(p95[k] <= out.p95)) out.p95 = p95[k];
   }
   if (spread == Spread::by_drawn_boards)
     out.p95 = std::max(out.designed, drawn_p95(errors, effects, design, target, assumptions.mismatch));

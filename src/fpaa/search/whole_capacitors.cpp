@@ -295,14 +295,10 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
 /// Of a partly whole design: the largest error, and the share of the spread by mismatch of what is whole.
 double error_with_mismatch(const Design& design, const StageFactorTable& table, const RoundingWidth& width) {
   const DesignResponse response(design, table);
-  const std::vector<Complex> errors = response.errors();
   CapacitorEffects effects = capacitor_effects(response);
   std::erase_if(effects.list, [&](const CapacitorEffect& e) { return !design.stages[e.stage].whole; });
-  std::vector<double> sigma = mismatch_sigma(effects, design, width.mismatch);
-  sigma.resize(errors.size(), 0.0);
   double out = 0.0;
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    const double here = error_of_95_percent(errors[k], sigma[k]);
+  for (const double here : errors_of_95_percent(response.errors(), effects, design, width.mismatch)) {
     if (!(here <= out)) out = here;
   }
   return out;

@@ -145,10 +145,8 @@ class BoardPicture {
   };
 
   const ChipPlan* chip_of(int number) const {
-    for (const ChipPlan& chip : plan_.chips) {
-      if (chip.chip == number) return &chip;
-    }
-    return nullptr;
+    const auto at = std::ranges::find(plan_.chips, number, &ChipPlan::chip);
+    return at == plan_.chips.end() ? nullptr : &*at;
   }
 
   Json chip_item(int number) {

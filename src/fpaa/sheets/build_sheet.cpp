@@ -43,7 +43,6 @@ Json cam_rows(const PlacedCam& cam, int step) {
           {"cab", cam.cab},
           {"clock_a", fmt::format("{} (Chip Clock {})", in_khz(cam.clock_a.value), cam.clock_index)},
           {"phase", fmt::format("Phase {}", cam.phase)},
-          {"section", cam.section ? Json(fmt::format("section {}", *cam.section + 1)) : Json(false)},
           {"parameters", parameter_rows(cam)},
           {"capacitors", capacitors}};
 }

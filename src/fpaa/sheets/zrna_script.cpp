@@ -1,20 +1,12 @@
 #include "fpaa/sheets/zrna_script.hpp"
 
-#include <fmt/format.h>
-
 #include "base/documents/json.hpp"
-#include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
-
-ZrnaModule zrna_module_of(const PlacedCam& cam) {
-  if (auto module = cam.cam->zrna_module(cam)) return *std::move(module);
-  throw DesignError(fmt::format("{} is a {}, which the Zrna client does not have", cam.name, cam.cam_name()));
-}
 
 Json zrna_attributes(const PlacedCam& cam, const ZrnaModule& module) {
   Json out = Json::array();
@@ -30,19 +22,9 @@ Json zrna_attributes(const PlacedCam& cam, const ZrnaModule& module) {
 
 }  // namespace
 
-bool has_zrna_script(const Plan& plan) {
-  if (plan.chips.size() != 1) return false;
-  for (const PlacedCam* cam : plan.cams()) {
-    if (cam->input_count() != 1 || !cam->cam->zrna_module(*cam)) return false;
-  }
+std::optional<std::string> zrna_script(const Plan& plan) {
   // The script wires one CAM behind the other.
-  return plan.wires.size() == plan.cams().size() + 1;
-}
-
-std::string zrna_script(const Plan& plan) {
-  if (plan.chips.size() != 1) {
-    throw DesignError(fmt::format("the plan takes {} chips, a Zrna board has one", plan.chips.size()));
-  }
+  if (plan.chips.size() != 1 || plan.wires.size() != plan.cams().size() + 1) return std::nullopt;
   const ChipPlan& chip = plan.chips[0];
   Json data;
   data["sys1"] = chip.clocks.sys1_divisor;
@@ -52,12 +34,13 @@ std::string zrna_script(const Plan& plan) {
   }
   data["cams"] = Json::array();
   for (const PlacedCam& cam : chip.cams) {
-    const ZrnaModule module = zrna_module_of(cam);
+    const std::optional<ZrnaModule> module = cam.cam->zrna_module(cam);
+    if (!module || cam.input_count() != 1) return std::nullopt;
     data["cams"].push_back({{"name", cam.name},
-                            {"class", module.class_name},
-                            {"arguments", module.arguments},
+                            {"class", module->class_name},
+                            {"arguments", module->arguments},
                             {"clock", cam.clock_index},
-                            {"attributes", zrna_attributes(cam, module)}});
+                            {"attributes", zrna_attributes(cam, *module)}});
   }
   return render_template("fpaa/zrna.py", data);
 }

@@ -23,8 +23,8 @@ class Parser {
       if (t_[at_].kind != TokenKind::word) continue;
       const std::string_view word = t_[at_].text;
       if (word.ends_with("_PrimaryConfigInfo") && opens_array()) {
-        const std::vector<int> bytes = numbers();
-        out_.chips.push_back({std::string(word), 1, {bytes.begin(), bytes.end()}});
+        numbers();
+        out_.chips.push_back({std::string(word)});
       }
       if (word.ends_with("_Capacitor") && opens_array()) capacitors(word);
       if (word.ends_with("_apiAddress1") && opens_array()) addresses_ = numbers();
@@ -120,7 +120,7 @@ class Parser {
                            fmt::format("'{}_Capacitor' names no chip, expected prefix_chip_cam", whole));
         }
         cam.chip = rest.substr(0, cut);
-        out_.chips.push_back({cam.chip, 1, {}});
+        out_.chips.push_back({cam.chip});
         cam.name = rest.substr(cut + 1);
       } else {
         cam.chip = owner->name;

@@ -9,7 +9,7 @@
 namespace bodesmith::fpaa {
 
 /// What the vendor's tool generated for a person's own project (ApiCode.c): where each capacitor of each CAM
-/// sits in the configuration memory, the chips' addresses and their primary streams.
+/// sits in the configuration memory, and the chips' addresses.
 struct ApiProject {
   struct Capacitor {
     std::string name;
@@ -25,7 +25,6 @@ struct ApiProject {
   struct Chip {
     std::string name;
     int address1 = 1;
-    Bytes primary;
   };
   std::string file;
   std::string prefix;  ///< of every name: "an" or "ot"

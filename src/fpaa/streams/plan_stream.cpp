@@ -16,7 +16,6 @@
 namespace bodesmith::fpaa::an231 {
 namespace {
 
-constexpr int kLargestStreamDivisor = 510;
 /// Divisors of clocks that nothing uses, as vendor streams have them: Clock 0 to 3.
 constexpr std::array<int, 4> kIdleDivisorBytes = {0x02, 0x00, 0x04, 0x20};
 
@@ -129,13 +128,13 @@ class ChipWriter {
       list.push_back(rounded_text(chip_.master_clock.value / total, 6));
     }
     const std::optional<int> system = common_system_divisor(all);
-    const std::string lowest = rounded_text(chip_.master_clock.value / kLargestStreamDivisor, 6);
+    const std::string lowest = rounded_text(chip_.master_clock.value / kLargestDivisor, 6);
     if (!system) {
       refuse(
           "chip {}: no one system divisor makes all of its clocks ({} Hz), and which of two feeds a chip clock is not "
           "publicly known; expected clocks from {} Hz up, which need none, or none more than {} times as fast as "
           "another",
-          chip_.chip, join(list, ", "), lowest, kLargestStreamDivisor);
+          chip_.chip, join(list, ", "), lowest, kLargestDivisor);
     }
     system_divisor_ = *system;
     for (const auto& [clock, total] : totals) clock_divisors_[clock] = total / *system;

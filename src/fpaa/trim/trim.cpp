@@ -128,14 +128,41 @@ std::vector<double> with_errors(const std::vector<double>& units, const Mismatch
   return out;
 }
 
-/// Old and new capacitors on boards that agree with the measurement.
-class TrimTrial {
+/// New capacitors of a board of which something is known.
+class TrimDesign {
  public:
-  TrimTrial(const Plan& plan, const std::vector<Hertz>& grid, const std::vector<Complex>& wanted,
-            const BoardEstimate& estimate, const TrimOptions& options)
-      : board_(plan, grid), wanted_(wanted), estimate_(estimate), options_(options) {}
+  TrimDesign(const DrawnBoard& board, int max_units, const std::vector<Complex>& wanted,
+             const BoardEstimate& estimate, const TrimOptions& options)
+      : board_(board), wanted_(wanted), estimate_(estimate), options_(options) {
+    const std::vector<double>& built = board_.nominal_units();
+    problem_.max_units = max_units;
+    problem_.unit_variance = variance_of_unit(options.mismatch);
+    problem_.systematic_units = options.mismatch.systematic_units;
+    problem_.array = options.array;
+    problem_.seed = options.seed;
+    for (std::size_t c = 0; c < built.size(); ++c) {
+      problem_.built.push_back(nearest_whole<int>(built[c]));
+      problem_.excess.push_back(built[c] * std::expm1(estimate.error[c]));
+    }
+    problem_.units = problem_.built;
+  }
 
-  /// Whether the new ones are better on every board; fills both errors.
+  /// Searches whole capacitors, linearised three times, nearer and nearer to what was found.
+  std::vector<int> best() {
+    std::vector<int> best = problem_.built;
+    double least = linearise();
+    for (const double reach : {0.25, 0.04, 0.02}) {
+      problem_.reach = reach;
+      problem_.units = search_trim(problem_);
+      const double worst = linearise();
+      if (worst >= least) continue;
+      least = worst;
+      best = problem_.units;
+    }
+    return best;
+  }
+
+  /// Whether these are better than the old ones on every board that agrees with the measurement; fills both errors.
   bool proves(const std::vector<int>& units, TrimError& before, TrimError& after) const {
     Random random(options_.seed);
     const std::vector<double>& old = board_.nominal_units();
@@ -176,46 +203,6 @@ class TrimTrial {
     return out;
   }
 
-  DrawnBoard board_;
-  const std::vector<Complex>& wanted_;
-  const BoardEstimate& estimate_;
-  const TrimOptions& options_;
-};
-
-/// Searches whole capacitors, linearised three times, nearer and nearer to what was found.
-class TrimDesign {
- public:
-  TrimDesign(const Plan& plan, const std::vector<Hertz>& grid, const std::vector<Complex>& wanted,
-             const BoardEstimate& estimate, const TrimOptions& options)
-      : board_(plan, grid), wanted_(wanted), estimate_(estimate), options_(options) {
-    const std::vector<double>& built = board_.nominal_units();
-    problem_.max_units = board_by_name(plan.board).max_capacitor;
-    problem_.unit_variance = variance_of_unit(options.mismatch);
-    problem_.systematic_units = options.mismatch.systematic_units;
-    problem_.array = options.array;
-    problem_.seed = options.seed;
-    for (std::size_t c = 0; c < built.size(); ++c) {
-      problem_.built.push_back(nearest_whole<int>(built[c]));
-      problem_.excess.push_back(built[c] * std::expm1(estimate.error[c]));
-    }
-    problem_.units = problem_.built;
-  }
-
-  std::vector<int> best() {
-    std::vector<int> best = problem_.built;
-    double least = linearise();
-    for (const double reach : {0.25, 0.04, 0.02}) {
-      problem_.reach = reach;
-      problem_.units = search_trim(problem_);
-      const double worst = linearise();
-      if (worst >= least) continue;
-      least = worst;
-      best = problem_.units;
-    }
-    return best;
-  }
-
- private:
   static constexpr double kSigmas = 2.0;
 
   /// Error and slopes at problem_.units, not linear; the worst error expected there, with two standard
@@ -245,7 +232,7 @@ class TrimDesign {
     return worst;
   }
 
-  DrawnBoard board_;
+  const DrawnBoard& board_;
   const std::vector<Complex>& wanted_;
   const BoardEstimate& estimate_;
   const TrimOptions& options_;
@@ -308,9 +295,10 @@ Trim trim_board(const Plan& plan, const std::vector<Complex>& wanted, const std:
   Trim out;
   out.array = options.array;
   out.estimate = estimate_board(plan, measured, options.mismatch);
-  const std::vector<int> units = TrimDesign(plan, grid, wanted, out.estimate, options).best();
   const DrawnBoard board(plan, grid);
-  out.improved = TrimTrial(plan, grid, wanted, out.estimate, options).proves(units, out.before, out.after);
+  TrimDesign design(board, board_by_name(plan.board).max_capacitor, wanted, out.estimate, options);
+  const std::vector<int> units = design.best();
+  out.improved = design.proves(units, out.before, out.after);
   if (!out.improved) {
     out.plan = plan;
     out.after = out.before;

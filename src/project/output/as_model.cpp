@@ -50,7 +50,7 @@ std::vector<Complex> analog_roots(const std::vector<double>& c, double clock_hz)
 Section section_of(const fpaa::PlacedCam& cam) {
   const double clock = cam.clock_a.value;
   Section out;
-  out.zeros = analog_roots(cam.z.numerator, clock);
+  out.zeros = analog_roots(cam.z.numerators[0], clock);
   out.poles = analog_roots(cam.z.denominator, clock);
   RadPerSecond w{0.0};
   if (std::abs(cam.z.dc_gain()) < 1e-9 && !out.poles.empty()) w = {std::abs(out.poles.front())};

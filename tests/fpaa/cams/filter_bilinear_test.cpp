@@ -13,7 +13,7 @@ using Complex = std::complex<double>;
 
 TEST(FilterBilinear, PoleAndZeroIsABilinearImage) {
   const FilterStage c{.c = {7, 93, 5, 121}};
-  const ZTransfer h = c.transfers()[0].in_z();
+  const ZTransfer h = c.transfer();
   const Hertz clock{2000.0};
   const double zero = std::tan(std::numbers::pi * branch_corner(7, 93, clock).value / clock.value);
   const double pole = std::tan(std::numbers::pi * c.corner(clock).value / clock.value);

@@ -43,7 +43,7 @@ PlacedCam run_filter(const std::string& name, const char* option, std::vector<Ca
 WiredCam run_sum(const std::string& name, const std::vector<std::string>& inputs,
                  const std::vector<double>& weights) {
   WiredCam out{run_cam(name, sum_diff_cam()), 1, inputs};
-  out.more_numerators.resize(weights.size() - 1);
+  out.z.numerators.resize(weights.size());
   for (std::size_t i = 0; i < weights.size(); ++i) {
     const std::string number = std::to_string(i + 1);
     out.realised.set("gain_" + number, weights[i]);

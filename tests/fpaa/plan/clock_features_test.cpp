@@ -27,15 +27,14 @@ Plan sampled_path() {
   low.option = "Low Pass";
   low.clock_a = {16e6 / 5334};
   low.capacitors = {{"Cin", 2}, {"Cint", 202}, {"Cout", 2}};
-  low.z = {{-2.0}, {204.0, -202.0}};
+  low.z = {{{-2.0}}, {204.0, -202.0}};
   PlacedCam sum;
   sum.name = "Sum";
   sum.cam = cam_registry().find("SumInv");
   sum.option = "2 inputs";
   sum.clock_a = {1e6};
   sum.capacitors = {{"Cin1", 2}, {"aCin1", 2}, {"Cin2", 200}, {"aCin2", 200}, {"Cout", 200}, {"aCout", 200}};
-  sum.z = {{-0.01}, {1.0}};
-  sum.more_numerators = {{-1.0}};
+  sum.z = {{{-0.01}, {-1.0}}, {1.0}};
   ChipPlan chip{1, {16e6}, {}, {low, sum}};
   plan.chips = {chip};
   plan.wires = {{"chip1.in1", "chip1.Low"},

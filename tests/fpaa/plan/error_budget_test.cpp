@@ -29,7 +29,7 @@ TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
   gain.cam = cam_registry().find("GainInv");
   gain.clock_a = {2000.0};
   gain.capacitors = {{"Cin", 100}, {"Cout", 100}};
-  gain.z = {{-100.0}, {100.0}};
+  gain.z = {{{-100.0}}, {100.0}};
   plan.chips = {{1, {16e6}, {}, {gain}}};
   plan.wires = {{"chip1.in1", "chip1.Gain1"}, {"chip1.Gain1", "chip1.out1"}};
   plan.error.band = {{1.0}, {100.0}};
@@ -61,7 +61,7 @@ TEST(ErrorBudget, NoiseOfALowPassIsSomewhatBelowTwoChargesASample) {
   filter.option = "Low Pass";
   filter.clock_a = {2000.0};
   filter.capacitors = {{"Cin", 6}, {"Cint", 50}, {"Cout", 4}};
-  filter.z = {{-6.0}, {54.0, -50.0}};
+  filter.z = {{{-6.0}}, {54.0, -50.0}};
   filter.requested = {{"corner_hz", 20.0}, {"gain", 1.5}};
   plan.chips = {{1, {16e6}, {}, {filter}}};
   plan.wires = {{"chip1.in1", "chip1.Section1"}, {"chip1.Section1", "chip1.out1"}};

@@ -159,7 +159,7 @@ double read_at_of(const PlacedCam& cam, const NetlistParts& parts) {
 
 Complex wanted_of(const fpaa::StageSample& sample, std::size_t input, RadPerSecond w) {
   const Complex late = std::polar(1.0, -w.value / sample.cam.clock_a.value * sample.late_periods[input]);
-  return sample.cam.z_from(input + 1).response(w, sample.cam.clock_a) * late;
+  return sample.cam.z.response(w, sample.cam.clock_a, input + 1) * late;
 }
 
 /// With one or two op-amps, so that two tests can run side by side.

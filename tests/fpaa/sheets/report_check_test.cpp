@@ -105,7 +105,7 @@ TEST(ReportCheck, BrokenPagesAreRefusedOrCompared) {
 }
 
 TEST(ZrnaScript, IsPythonAndSetsEveryParameter) {
-  const std::string script = zrna_script(seed_plan());
+  const std::string script = zrna_script(seed_plan()).value();
   EXPECT_THAT(script, HasSubstr("z.FilterPoleZero(dependent_variable=z.HIGH_FREQUENCY_GAIN)"));
   for (const PlacedCam* cam : seed_plan().cams()) {
     EXPECT_THAT(script, HasSubstr("\"" + cam->name + "\""));

@@ -32,11 +32,8 @@ PlacedCam placed(const char* name, const char* cam, const char* option, int cab,
   out.clock_index = clock;
   out.clock_a = {clock_hz};
   out.capacitors = std::move(capacitors);
-  out.more_numerators.resize(inputs - 1);
-  const CapacitorUnits units(out.capacitors);
-  const std::vector<DeltaTransfer> all = out.cam->transfers(out, units);
-  out.z = all[0].in_z();
-  for (std::size_t i = 1; i < inputs; ++i) out.more_numerators[i - 1] = all[i].in_z().numerator;
+  out.z.numerators.resize(inputs);
+  out.find_z();
   return out;
 }
 

@@ -18,7 +18,6 @@ TEST(ApiCode, ReadsTablesAddressesAndStreams) {
   EXPECT_EQ(project.prefix, "an");
   ASSERT_EQ(project.chips.size(), 1u);
   EXPECT_EQ(project.chips[0].name, "FPAA1");
-  EXPECT_TRUE(decode(project.chips[0].primary, "p").primary);
   ASSERT_EQ(project.cams.size(), 8u);
   const ApiProject::Cam* cam = project.find("FPAA1", "Section1a");
   ASSERT_NE(cam, nullptr);

@@ -130,7 +130,19 @@ GeneratorMaker::WeightedSum GeneratorMaker::weighted_sum(const Powers& powers, c
     weights.push_back({powers.node(k + 1), fmt::format("R{}{}{}", of, power + k, powers.tail),
                        fmt::format("weight of {}, {}", power_text(power + k), name(branch))});
   }
-  const synthesis::SummingDesign design = synthesis::search_summing_resistors(gains, level, resistors_);
+  constexpr int kPoints = 24;
+  std::vector<std::vector<double>> rows;
+  for (int i = 1; i <= kPoints; ++i) {
+    std::vector<double>& row = rows.emplace_back();
+    double wanted = 0.0;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      row.push_back(level[k] * std::pow(static_cast<double>(i) / kPoints, k + 1));
+      wanted += gains[k] * row.back();
+    }
+    row.push_back(wanted);
+  }
+  const synthesis::SummingDesign design =
+      synthesis::search_sum(gains, rows, resistors_, "sum of the powers, " + name(branch));
   const Sum made = sum(weights, gains, design, "R" + of, tail, name(branch),
                        "sum of the powers, " + name(branch), "p" + of + tail, "m" + of + tail, node);
   WeightedSum out{made.opamp, made.noise_gain, {}};

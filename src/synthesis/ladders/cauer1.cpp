@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "numeric/index.hpp"
 #include "synthesis/ladders/ladder_realisation.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 
@@ -38,21 +37,6 @@ class Cauer1 final : public RcLadder {
     std::complex<double> z = v.back();
     for (std::size_t i = v.size() - 1; i >= 2; i -= 2) z = v[i - 2] + 1.0 / (s * v[i - 1] + 1.0 / z);
     return z;
-  }
-
-  RcImpedance impedance_of(std::span<const double> v) const override {
-    const Eigen::Index n = eigen_index(v.size() / 2);
-    const auto r = [&](Eigen::Index k) -> Real { return v[std_index(2 * k)]; };
-    ladder_synthesis::Matrix open = ladder_synthesis::Matrix::Zero(n, n), storing = open;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      storing(k, k) = v[std_index(2 * k + 1)];
-      open(k, k) = 1.0L / r(k + 1) + (k > 0 ? 1.0L / r(k) : 0.0L);
-      if (k > 0) open(k, k - 1) = open(k - 1, k) = -1.0L / r(k);
-    }
-    ladder_synthesis::Matrix shorted = open;
-    shorted(0, 0) += 1.0L / r(0);
-    return {ladder_synthesis::natural_frequencies(open, storing),
-            ladder_synthesis::natural_frequencies(shorted, storing), v.front()};
   }
 };
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "numeric/index.hpp"
 #include "synthesis/ladders/ladder_realisation.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 
@@ -42,26 +41,6 @@ class Cauer2 final : public RcLadder {
       z = 1.0 / (1.0 / v[i - 2] + 1.0 / (1.0 / (s * v[i - 1]) + z));
     }
     return z;
-  }
-
-  RcImpedance impedance_of(std::span<const double> v) const override {
-    // (s R + E) i = 0: E v = x R v.
-    const Eigen::Index n = eigen_index(v.size() / 2);
-    const auto r = [&](Eigen::Index k) -> Real { return v[std_index(2 * k)]; };
-    Real conductance = 0.0L;
-    for (Eigen::Index k = 0; k <= n; ++k) conductance += 1.0L / r(k);
-    ladder_synthesis::Matrix storing = ladder_synthesis::Matrix::Zero(n, n), loops = storing;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      storing(k, k) = 1.0L / Real(v[std_index(2 * k + 1)]);
-      loops(k, k) = r(k) + r(k + 1);
-      if (k > 0) loops(k, k - 1) = loops(k - 1, k) = -r(k);
-    }
-    RcImpedance out;
-    out.poles = ladder_synthesis::natural_frequencies(storing, loops);
-    loops(0, 0) -= r(0);
-    out.zeros = ladder_synthesis::natural_frequencies(storing, loops);
-    out.high = static_cast<double>(1.0L / conductance);
-    return out;
   }
 };
 

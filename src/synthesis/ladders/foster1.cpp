@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "numeric/index.hpp"
 #include "synthesis/ladders/ladder_realisation.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 
@@ -36,19 +35,6 @@ class Foster1 final : public RcLadder {
     std::complex<double> z = v[0];
     for (std::size_t i = 1; i < v.size(); i += 2) z += v[i] / (1.0 + s * v[i] * v[i + 1]);
     return z;
-  }
-
-  RcImpedance impedance_of(std::span<const double> v) const override {
-    const Eigen::Index n = eigen_index(v.size() / 2);
-    ladder_synthesis::Matrix open = ladder_synthesis::Matrix::Zero(n, n), storing = open;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      open(k, k) = 1.0L / v[std_index(2 * k + 1)];
-      storing(k, k) = v[std_index(2 * k + 2)];
-    }
-    const ladder_synthesis::Matrix shorted =
-        open + ladder_synthesis::Matrix::Constant(n, n, 1.0L / v.front());
-    return {ladder_synthesis::natural_frequencies(open, storing),
-            ladder_synthesis::natural_frequencies(shorted, storing), v.front()};
   }
 };
 

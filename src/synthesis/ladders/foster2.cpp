@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "numeric/index.hpp"
 #include "synthesis/ladders/ladder_realisation.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 
@@ -39,24 +38,6 @@ class Foster2 final : public RcLadder {
     std::complex<double> y = 1.0 / v[0];
     for (std::size_t i = 1; i < v.size(); i += 2) y += s * v[i + 1] / (1.0 + s * v[i] * v[i + 1]);
     return 1.0 / y;
-  }
-
-  RcImpedance impedance_of(std::span<const double> v) const override {
-    const Eigen::Index n = eigen_index(v.size() / 2);
-    const auto r = [&](Eigen::Index k) -> Real { return v[std_index(k == 0 ? 0 : 2 * k - 1)]; };
-    Real conductance = 0.0L;
-    for (Eigen::Index k = 0; k <= n; ++k) conductance += 1.0L / r(k);
-    ladder_synthesis::Matrix shorted = ladder_synthesis::Matrix::Zero(n, n), storing = shorted;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      shorted(k, k) = 1.0L / r(k + 1);
-      storing(k, k) = v[std_index(2 * k + 2)];
-    }
-    ladder_synthesis::Matrix open = shorted;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      for (Eigen::Index k = 0; k < n; ++k) open(i, k) -= 1.0L / (r(i + 1) * r(k + 1) * conductance);
-    }
-    return {ladder_synthesis::natural_frequencies(open, storing),
-            ladder_synthesis::natural_frequencies(shorted, storing), static_cast<double>(1.0L / conductance)};
   }
 };
 

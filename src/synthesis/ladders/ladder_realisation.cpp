@@ -13,6 +13,7 @@
 #include "synthesis/circuit.hpp"
 #include "synthesis/ladders/alternating_chains.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
+#include "synthesis/parts/exchange.hpp"
 #include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
 
@@ -52,9 +53,10 @@ class LadderStage {
 
   AlternatingChain chain_;
   const RcLadder* ladder_;
-  RcImpedance z_;                 ///< with the resistor at 1 ohm
-  std::vector<StagePart> parts_;  ///< the resistor first
-  std::vector<double> unit_;      ///< values with the resistor at 1 ohm
+  RcImpedance z_;                  ///< with the resistor at 1 ohm
+  std::vector<StagePart> parts_;   ///< the resistor first
+  std::vector<double> unit_;       ///< values with the resistor at 1 ohm
+  std::vector<LadderPart> drawn_;  ///< the ladder alone
 };
 
 /// The values of one ladder stage, in the series, for a given response.
@@ -176,7 +178,7 @@ class LadderSearch {
     return out;
   }
 
-  /// One and two values at a time while it gets better.
+  /// Two values at a time while it gets better.
   double descend(const std::vector<double>& exact, std::vector<double>& values) const {
     std::vector<std::vector<double>> near;
     for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -185,28 +187,8 @@ class LadderSearch {
         if (options_.limits.allow(kind(i), value)) near.back().push_back(value);
       }
     }
-    double best = error(values);
-    for (bool better = true; better;) {
-      better = false;
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        for (std::size_t j = i; j < values.size(); ++j) {
-          std::vector<double> trial = values;
-          for (const double a : near[i]) {
-            for (const double b : near[j]) {
-              trial[i] = a;
-              trial[j] = b;
-              const double here = error(trial, best);
-              if (here < best * (1.0 - 1e-9)) {
-                best = here;
-                values = trial;
-                better = true;
-              }
-            }
-          }
-        }
-      }
-    }
-    return best;
+    return exchange_pairs(
+        near, values, [this](const std::vector<double>& some, double enough) { return error(some, enough); });
   }
 
   const LadderStage& stage_;
@@ -228,7 +210,8 @@ Outcome<LadderStage> LadderStage::draw(const AlternatingChain& chain, double gai
   };
   out.parts_ = {{Part::Kind::resistor, "Rg", chain.lag ? "in" : "m", chain.lag ? "m" : "out", false}};
   out.unit_ = {1.0};
-  for (const LadderPart& part : ladder.parts(out.z_)) {
+  out.drawn_ = ladder.parts(out.z_);
+  for (const LadderPart& part : out.drawn_) {
     if (!(part.value > 0.0) || !std::isfinite(part.value)) {
       return Refusal{
           fmt::format("{} of a ladder comes out as {}: the continued fraction is ill-conditioned, "
@@ -278,7 +261,9 @@ StageDesign LadderStage::design(const LadderValues& values) const {
   out.wanted_values = values.exact;
   out.realised_values = values.realised;
   out.wanted = factors(z_, 1.0);
-  out.realised = factors(ladder_->impedance_of(std::span(values.realised).subspan(1)), values.realised[0]);
+  std::vector<LadderPart> mounted = drawn_;
+  for (std::size_t i = 0; i < mounted.size(); ++i) mounted[i].value = values.realised[i + 1];
+  out.realised = factors(impedance_of(mounted), values.realised[0]);
   return out;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <complex>
 #include <span>
 #include <string>
@@ -35,10 +34,11 @@ class RcLadder {
   virtual std::vector<LadderPart> parts(const RcImpedance& z) const = 0;
   /// Z(s) of parts with these values.
   virtual std::complex<double> impedance(std::span<const double> values, std::complex<double> s) const = 0;
-  /// Poles, zeros and Z(infinity) of parts with these values: natural frequencies with open and with shorted
-  /// terminals, from the symmetric pencil of the capacitors' voltages (Cauer II: of the loop currents).
-  virtual RcImpedance impedance_of(std::span<const double> values) const = 0;
 };
+
+/// Poles, zeros and Z(infinity) of any resistors and capacitors between "a" and "b": natural frequencies with open and with shorted
+/// terminals, x Zc i = i/C of the capacitors' currents i, Zc the resistors' impedance matrix at the capacitors.
+RcImpedance impedance_of(const std::vector<LadderPart>& parts);
 
 /// Series chain of R||C (partial fractions of Z).
 const RcLadder& foster1();
@@ -56,7 +56,6 @@ namespace bodesmith::synthesis::ladder_synthesis {
 
 using Real = long double;
 using Polynomial = std::vector<Real>;  // rising powers
-using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 
 /// An impedance with its frequencies in units of `centre`, so that polynomials stay in range.
 struct Scaled {
@@ -83,8 +82,5 @@ class Drawing {
   std::vector<LadderPart> parts_;
   int resistors_ = 0, capacitors_ = 0;
 };
-
-/// x of A v = x B v, rising; B positive definite.
-std::vector<double> natural_frequencies(const Matrix& a, const Matrix& b);
 
 }  // namespace bodesmith::synthesis::ladder_synthesis

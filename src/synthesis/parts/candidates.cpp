@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "synthesis/parts/exchange.hpp"
 #include "synthesis/parts/stage_errors.hpp"
 
 namespace bodesmith::synthesis {
@@ -146,20 +147,21 @@ class StageSearch {
 
   /// Many resistors: nearest first, then one and two at a time while the shape gets better.
   void exchange(const std::vector<std::vector<double>>& near) {
+    const auto error = [this](const std::vector<double>& some, double enough) {
+      return errors_.worst_square(some, enough);
+    };
     std::vector<double> values;
     for (const auto& list : near) values.push_back(list.front());
-    descend(near, values);
+    double min_error = exchange_pairs(near, values, error);
     // A few other starts: exchange ends where no pair helps, which need not be the best there is.
     std::vector<double> best = values;
-    double min_error = worst_error(values);
     std::mt19937_64 chance(46);
     // Only where these capacitors promise something.
     const int starts = min_error <= 2.0 * min_exchanged_ ? kStarts : 0;
     for (int start = 0; start < starts; ++start) {
       for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = near[i][chance() % std::min<std::size_t>(near[i].size(), 3)];
-      descend(near, values);
-      if (const double here = worst_error(values); here < min_error) {
+      if (const double here = exchange_pairs(near, values, error); here < min_error) {
         min_error = here;
         best = values;
       }
@@ -176,41 +178,10 @@ class StageSearch {
     }
   }
 
-  void descend(const std::vector<std::vector<double>>& near, std::vector<double>& values) const {
-    double best = worst_error(values);
-    std::vector<double> trial;
-    for (bool better = true; better;) {
-      better = false;
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        for (const double a : near[i]) {
-          for (std::size_t j = i + 1; j < values.size(); ++j) {
-            if (near[j].size() == 1) continue;
-            for (const double b : near[j]) {
-              trial = values;
-              trial[i] = a;
-              trial[j] = b;
-              const double here = worst_error(trial, best);
-              if (here < best * (1.0 - 1e-9)) {
-                best = here;
-                values = trial;
-                better = true;
-              }
-            }
-          }
-        }
-      }
-    }
-  }
-
-  double worst_error(const std::vector<double>& values,
-                     double enough = std::numeric_limits<double>::infinity()) const {
-    return errors_.worst_square(values, enough);
-  }
-
   void keep(const std::vector<double>& values) {
     if (alone_) {
       // No other stage makes good what this one misses.
-      const double here = worst_error(values);
+      const double here = errors_.worst_square(values, std::numeric_limits<double>::infinity());
       if (here > 4.0 * min_alone_) return;
       min_alone_ = std::min(min_alone_, here);
     }

@@ -101,16 +101,11 @@ std::vector<double> NetlistMaker::inverting_sum(const std::vector<std::string>& 
                                                 const std::vector<double>& gains,
                                                 const std::vector<std::vector<double>>& rows,
                                                 const std::string& role, const std::string& out) {
-  constexpr double kLeastV = 2e-5;
-  const SumDesign design = search_sum(gains, rows, resistors_, kLeastV, role);
-  const std::string minus = "m" + out;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    if (design.realised[i] == 0.0) continue;
-    resistor("R" + out + std::to_string(i + 1), role + " from " + from[i], from[i], minus, design.wanted[i],
-             design.realised[i]);
-  }
-  resistor("R" + out + "f", role + ", feedback", minus, out, design.feedback, design.feedback);
-  opamp(role, "0", minus, out);
+  const SummingDesign design = search_sum(gains, rows, resistors_, role);
+  std::vector<Weight> weights;
+  for (std::size_t i = 0; i < from.size(); ++i)
+    weights.push_back({from[i], "R" + out + std::to_string(i + 1), role + " from " + from[i]});
+  sum(weights, gains, design, "R" + out, "", role, role, "0", "m" + out, out);
   return design.gains;
 }
 

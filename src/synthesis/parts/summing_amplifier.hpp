@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "synthesis/parts/series.hpp"
@@ -32,22 +33,10 @@ struct SummingDesign {
 /// (Gk/sum G+)(1 + sum G-/Gf).
 std::vector<double> summing_gains(const SummingResistors& resistors, const std::vector<double>& wanted_signs);
 
-/// Searches feedback, weights and balance jointly in the series so that the greatest |sum (g_k - wanted_k)
-/// x^k| over x in [0, 1] is least. `scale[k]` is what term k's node carries at x = 1. Throws DesignError.
-SummingDesign search_summing_resistors(const std::vector<double>& wanted, const std::vector<double>& scale,
-                                       const Series& series);
-
-/// Resistors of an inverting sum for any voltages.
-struct SumDesign {
-  double feedback = 0.0;
-  std::vector<double> wanted, realised;  ///< weights, ohm; 0: the term counts for nothing and is left out
-  std::vector<double> gains;             ///< that the realised resistors make
-};
-
-/// For gains below 0. `rows`: for each point that counts, the voltages of the terms and, last, what the sum should be. Feedback and weights are
-/// exchanged for their neighbours in the series while the greatest error over the rows falls; terms that never exceed
-/// `least_v` at the output are left out. Throws DesignError, in which `what` names the sum.
-SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::vector<double>>& rows,
-                     const Series& series, double least_v, const std::string& what);
+/// Searches feedback, weights and balance jointly in the series, near the exact ones, for the least greatest error over the rows: for
+/// each point that counts the voltages of the terms and, last, what the sum should be. Terms that do nothing are left out. Throws
+/// DesignError, in which `what` names the sum.
+SummingDesign search_sum(const std::vector<double>& gains, const std::vector<std::vector<double>>& rows,
+                         const Series& series, const std::string& what);
 
 }  // namespace bodesmith::synthesis

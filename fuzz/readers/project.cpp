@@ -11,7 +11,7 @@ void read_project_bytes(std::string_view bytes) {
       R"({"schema":"bodesmith.disturbance/1","ascending":[0.35,-0.64,0.29],"descending":[-0.24,0.08,0.16]})",
       "disturbance.json");
   Provenance from;
-  const auto project = project::Project::read(as_file(bytes, "project.toml"), from);
+  const auto project = project::ProjectSource::read(as_file(bytes, "project.toml")).project(from);
   if (!project.plant) return;
   require_finite(project.target.base.value + project.plant->stroke_m + project.plant->damping_ratio);
   for (const double amplitude : project.track.amplitudes) require_finite(amplitude);

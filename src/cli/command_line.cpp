@@ -397,6 +397,14 @@ std::string limit_not_met(double limit, std::string_view unit) {
   return fmt::format("the limit of {} {} is NOT met\n", rounded_text(limit), unit);
 }
 
+bool keeps_limit(std::optional<double> limit, double value, std::string_view unit, std::string& text,
+                 Json& json) {
+  if (!limit || value <= *limit) return true;
+  text += limit_not_met(*limit, unit);
+  json["limit_missed"] = true;
+  return false;
+}
+
 std::string CommandTable::first_sentence() const {
   std::string out;
   for (const char c : what) {

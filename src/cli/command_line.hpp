@@ -232,5 +232,8 @@ Json timed_document(std::string_view schema, const Provenance& from, const Json&
 
 /// "the limit of 0.5 dB is NOT met\n"
 std::string limit_not_met(double limit, std::string_view unit);
+/// Whether `value` keeps the limit, if there is one; where it does not, the summary's text and JSON (`limit_missed`) say so.
+bool keeps_limit(std::optional<double> limit, double value, std::string_view unit, std::string& text,
+                 Json& json);
 
 }  // namespace bodesmith::cli

@@ -56,6 +56,8 @@ void add_parts_options(CommandLine& line) {
   line.option<std::string>("opamp-library", "a TOML list of op-amps of your own");
 }
 
+namespace {
+
 schematic::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from) {
   if (const auto file = line.maybe<std::string>("opamp-library"))
     return schematic::OpAmpLibrary::read(*file, from);
@@ -65,8 +67,6 @@ schematic::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& fr
 bool automatic_opamp(const CommandLine& line) {
   return line.get<std::string>("opamp") == "auto";
 }
-
-namespace {
 
 /// Limits of the values: the form's or the stock list's own, then those that were given.
 void read_value_limits(const CommandLine& line, Provenance& from, synthesis::RealiseOptions& options) {
@@ -87,13 +87,6 @@ void read_value_limits(const CommandLine& line, Provenance& from, synthesis::Rea
 
 }  // namespace
 
-bool parts_limits_given(const CommandLine& line) {
-  for (const char* limit : {"stock", "min-ohm", "max-ohm", "min-f", "max-f"}) {
-    if (line.has(limit)) return true;
-  }
-  return false;
-}
-
 synthesis::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from) {
   synthesis::RealiseOptions options = read_circuit_options(line);
   read_value_limits(line, from, options);
@@ -105,6 +98,20 @@ synthesis::RealiseOptions read_parts_options(const CommandLine& line, Provenance
   if (!automatic_opamp(line))
     options.opamp = opamp_library_of(line, from).named(line.get<std::string>("opamp"));
   return options;
+}
+
+synthesis::BuildChoice design_circuit(const CommandLine& line, const Sections& sections,
+                                      const synthesis::RealiseOptions& options, Provenance& from,
+                                      double amplitude_v) {
+  synthesis::BuildSearch search;
+  search.options = options;
+  search.may_choose = !line.has("realization");
+  for (const char* limit : {"stock", "min-ohm", "max-ohm", "min-f", "max-f"})
+    search.limits_given = search.limits_given || line.has(limit);
+  search.amplitude_v = amplitude_v;
+  std::optional<schematic::OpAmpLibrary> library;
+  if (automatic_opamp(line)) search.opamps = &library.emplace(opamp_library_of(line, from));
+  return value_or_throw(synthesis::realise_for_building(sections, search));
 }
 
 void add_check_option(CommandLine& line, const std::string& what) {

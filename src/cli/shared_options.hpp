@@ -10,9 +10,8 @@
 #include "fpaa/device/mismatch.hpp"
 #include "fpaa/network/settling.hpp"
 #include "lti/sections.hpp"
-#include "schematic/opamp_library.hpp"
 #include "simulate/references.hpp"
-#include "synthesis/realise.hpp"
+#include "synthesis/realise_search.hpp"
 
 namespace bodesmith::cli {
 
@@ -25,11 +24,10 @@ synthesis::RealiseOptions read_circuit_options(const CommandLine& line);
 void add_parts_options(CommandLine& line);
 /// Those and add_circuit_options' together.
 synthesis::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from);
-/// The limits are the user's own, not the realisation's.
-bool parts_limits_given(const CommandLine& line);
-/// --opamp auto.
-bool automatic_opamp(const CommandLine& line);
-schematic::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from);
+/// The realisation asked for, or (none asked for) the first that is worth building.
+synthesis::BuildChoice design_circuit(const CommandLine& line, const Sections& sections,
+                                      const synthesis::RealiseOptions& options, Provenance& from,
+                                      double amplitude_v = 1.0);
 
 /// Adds --check.
 void add_check_option(CommandLine& line, const std::string& what);

@@ -8,10 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "approximate/approximate.hpp"
 #include "base/documents/document.hpp"
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
+#include "fit/direct/direct_fit.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "lti/fractional_transfer.hpp"
 #include "lti/sections.hpp"
 #include "signal/bode_points.hpp"
@@ -46,27 +49,17 @@ struct Project {
     enum class Method { automatic, interpolate, bounded, direct } method = Method::automatic;
     std::optional<double> max_error_db;
     std::optional<int> order;
-    double beta_max = 5.0;
+    double beta_max = 5.0;  ///< of a bounded fit
     bool beta_positive = false;
-    bool real = false;
-    int relative_degree = 0;
-    std::optional<Hertz> max_corner;
+    DirectFitOptions direct;  ///< of a direct fit: real, relative_degree, max_corner
   } fit;
 
-  struct Approximate {
-    std::string method = "minimax";
-    std::optional<int> order;
-    std::optional<double> max_error_db;
-  } approximate;
+  ApproximationOptions approximate;
 
   /// Which of a stage's alternatives is built ([choose] by), see alternatives.hpp.
   enum class Choice { tracking, as_asked, fewest_sections, waveform } choice = Choice::tracking;
 
-  struct Fpaa {
-    std::string board = "an231k04-quad4";
-    std::optional<Hertz> clock;
-  };
-  std::optional<Fpaa> fpaa;  ///< absent: no board is designed
+  std::optional<bodesmith::fpaa::PlanOptions> fpaa;  ///< board and clock; absent: no board is designed
 
   struct Circuit {
     std::string realisation = "opamp-rc";
@@ -122,9 +115,6 @@ struct Project {
 
   /// Not in the file: a time after which what the design does not need is left out, and said.
   Deadline deadline;
-
-  /// Reads the project and the files it names; every InputError has file and line.
-  static Project read(const std::filesystem::path& path, Provenance& from);
 };
 
 /// A project file as it was read, before anything is made of it: a sweep changes it in between.
@@ -137,7 +127,7 @@ struct ProjectSource {
   /// Throws InputError (file and line) for what is no project.
   static ProjectSource read(const std::filesystem::path& file);
 
-  /// What the document says, and the files that it names.
+  /// What the document says, and the files that it names; every InputError has file and line.
   Project project(Provenance& from) const;
 };
 

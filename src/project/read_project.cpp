@@ -45,9 +45,9 @@ std::string known_name(const Node& table, std::string_view key, const std::strin
   return node.string();
 }
 
-Project::Approximate read_approximate(const Node& node) {
+ApproximationOptions read_approximate(const Node& node) {
   node.allow_only({"method", "order", "max_error_db"});
-  Project::Approximate out;
+  ApproximationOptions out;
   out.method =
       known_name(node, "method", out.method, [](const std::string& name) { method_registry().get(name); });
   if (node.has("order")) out.order = static_cast<int>(node.at("order").integer(1, 12));
@@ -56,13 +56,13 @@ Project::Approximate read_approximate(const Node& node) {
   return out;
 }
 
-Project::Fpaa read_fpaa(const Node& node) {
+fpaa::PlanOptions read_fpaa(const Node& node) {
   node.allow_only({"board", "clock_hz"});
-  Project::Fpaa fpaa;
-  fpaa.board = known_name(node, "board", fpaa.board,
-                          [](const std::string& name) { value_or_throw(fpaa::find_board(name)); });
-  if (node.has("clock_hz")) fpaa.clock = Hertz{node.at("clock_hz").positive()};
-  return fpaa;
+  fpaa::PlanOptions out;
+  out.board = known_name(node, "board", out.board,
+                         [](const std::string& name) { value_or_throw(fpaa::find_board(name)); });
+  if (node.has("clock_hz")) out.clock = Hertz{node.at("clock_hz").positive()};
+  return out;
 }
 
 Project::Circuit read_circuit(const Node& node) {
@@ -155,33 +155,30 @@ Project::Target read_response_target(const Node& node, const fs::path& folder, P
 
 using Method = Project::Fit::Method;
 
-Project::Fit read_stage_fit(const Node& node) {
-  node.allow_only({"method", "beta_max", "beta_positive"});
-  Project::Fit fit;
-  if (node.has("method")) fit.method = one_of(node.at("method"), Method::interpolate, Method::bounded);
-  fit.beta_max = node.has("beta_max") ? node.at("beta_max").positive() : 2.0;
+void read_fit(const Node& node, bool stage, Project& out) {
+  Project::Fit& fit = out.fit;
+  if (stage) {
+    node.allow_only({"method", "beta_max", "beta_positive"});
+    if (node.has("method")) fit.method = one_of(node.at("method"), Method::interpolate, Method::bounded);
+  } else {
+    node.allow_only({"method", "max_error_db", "order", "beta_max", "real", "relative_degree",
+                     "max_corner_hz", "base_hz"});
+    if (node.has("method"))
+      fit.method =
+          one_of(node.at("method"), Method::automatic, Method::interpolate, Method::bounded, Method::direct);
+  }
+  fit.beta_max = node.has("beta_max") ? node.at("beta_max").positive() : stage ? 2.0 : 5.0;
   fit.beta_positive = node.boolean_or("beta_positive", false);
   if (fit.beta_positive && fit.method != Method::bounded)
     node.at("beta_positive").fail("needs method = \"bounded\"");
-  return fit;
-}
-
-Project::Fit read_response_fit(const Node& node, Hertz& base) {
-  node.allow_only(
-      {"method", "max_error_db", "order", "beta_max", "real", "relative_degree", "max_corner_hz", "base_hz"});
-  Project::Fit fit;
-  if (node.has("method"))
-    fit.method =
-        one_of(node.at("method"), Method::automatic, Method::interpolate, Method::bounded, Method::direct);
   if (node.has("max_error_db")) fit.max_error_db = node.at("max_error_db").positive();
   if (node.has("order")) fit.order = static_cast<int>(node.at("order").integer(1, 12));
-  if (node.has("beta_max")) fit.beta_max = node.at("beta_max").positive();
-  fit.real = node.boolean_or("real", false);
+  fit.direct.real = node.boolean_or("real", false);
   if (node.has("relative_degree"))
-    fit.relative_degree = static_cast<int>(node.at("relative_degree").integer(0, fit.order.value_or(12)));
-  if (node.has("max_corner_hz")) fit.max_corner = Hertz{node.at("max_corner_hz").positive()};
-  if (node.has("base_hz")) base = Hertz{node.at("base_hz").positive()};
-  return fit;
+    fit.direct.relative_degree =
+        static_cast<int>(node.at("relative_degree").integer(0, fit.order.value_or(12)));
+  if (node.has("max_corner_hz")) fit.direct.max_corner = Hertz{node.at("max_corner_hz").positive()};
+  if (node.has("base_hz")) out.target.base = Hertz{node.at("base_hz").positive()};
 }
 
 Project::Plant read_plant(const Node& node) {
@@ -274,12 +271,6 @@ ProjectSource ProjectSource::read(const fs::path& file) {
   return {file, document, std::move(from), {}};
 }
 
-Project Project::read(const fs::path& path, Provenance& from) {
-  const ProjectSource source = ProjectSource::read(path);
-  from = source.from;
-  return source.project(from);
-}
-
 Project ProjectSource::project(Provenance& names) const {
   const Node& node = document;
   const fs::path folder = file.parent_path();
@@ -296,8 +287,7 @@ Project ProjectSource::project(Provenance& names) const {
   out.name = node.string_or("name", file.stem().string());
   out.deadline = deadline;
   out.target = (stage ? read_stage_target : read_response_target)(node.at("target"), folder, names);
-  if (node.has("fit"))
-    out.fit = stage ? read_stage_fit(node.at("fit")) : read_response_fit(node.at("fit"), out.target.base);
+  if (node.has("fit")) read_fit(node.at("fit"), stage, out);
   if (node.has("approximate")) out.approximate = read_approximate(node.at("approximate"));
   // What will be tracked decides, unless [choose] says otherwise.
   if (node.has("choose")) out.choice = read_choice(node.at("choose"));

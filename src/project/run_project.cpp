@@ -9,7 +9,6 @@
 #include "project/design/controllers.hpp"
 #include "project/design/target_fit.hpp"
 #include "project/output/run_files.hpp"
-#include "project/report/report_page.hpp"
 #include "project/run.hpp"
 #include "project/stages.hpp"
 #include "project/tracking/engines.hpp"

@@ -189,11 +189,7 @@ int run_controller(const std::vector<std::string>& arguments) {
   json[checked ? "as_built" : "predicted"] = controller::to_json(cases);
   json = timed_document("analog_controller", from, json, compute_s);
   std::string text = built_summary(built) + as_built_summary(cases, checked);
-  const bool met = !limit || controller::worst_percent(cases) <= *limit;
-  if (!met) {
-    text += limit_not_met(*limit, "%");
-    json["limit_missed"] = true;
-  }
+  const bool met = keeps_limit(limit, controller::worst_percent(cases), "%", text, json);
   OutputSet out(line.output_path());
   text += add_part_errors(line, built, reference, json, out);
   controller::add_controller_files(built, fmt::format("controller from {}", line.files()[0]), json, out, "");

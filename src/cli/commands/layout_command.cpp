@@ -175,11 +175,7 @@ int run_layout(const std::vector<std::string>& arguments) {
     json["ngspice"] = to_json(check);
     text += layout_check_text(check);
   }
-  const bool met = !limit || layout.max_error_percent <= *limit;
-  if (!met) {
-    text += limit_not_met(*limit, "%");
-    json["limit_missed"] = true;
-  }
+  const bool met = keeps_limit(limit, layout.max_error_percent, "%", text, json);
   OutputSet out(line.output_path());
   generator::add_layout_files(layout, fmt::format("disturbance generator from {}", line.files()[0]), json,
                               out);

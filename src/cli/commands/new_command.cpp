@@ -15,12 +15,16 @@ namespace bodesmith::cli {
 namespace {
 namespace fs = std::filesystem;
 
+std::vector<std::string> kind_names() {
+  std::vector<std::string> out;
+  for (const NewKind& kind : new_kinds()) out.push_back(kind.name);
+  return out;
+}
+
 void declare_new(CommandLine& line) {
-  std::vector<std::string> kinds;
-  for (const NewKind& kind : new_kinds()) kinds.push_back(kind.name);
   line.positional("DIR", 1, 1);
-  line.option<std::string>("kind", join(kinds, ", ") + " (asked for at a terminal when left out)");
-  line.words("kind", kinds);
+  line.option<std::string>("kind", join(kind_names(), ", ") + " (asked for at a terminal when left out)");
+  line.words("kind", kind_names());
   line.option<std::string>("name", "of the project (default: the folder's)");
   line.option<std::string>("points", "own points instead of an example's (filter, nanopositioner)");
   line.option<std::string>("hardware", "circuit, fpaa or both", "circuit");
@@ -48,9 +52,7 @@ void declare_new(CommandLine& line) {
 
 std::string kind_wanted(const CommandLine& line, const Answers& answers) {
   if (line.has("kind")) return line.get<std::string>("kind");
-  std::vector<std::string> names;
-  for (const NewKind& kind : new_kinds()) names.push_back(kind.name);
-  if (!answers.asks()) line.fail("--kind is missing, expected " + join(names, ", "));
+  if (!answers.asks()) line.fail("--kind is missing, expected " + join(kind_names(), ", "));
   hide_progress();
   for (const NewKind& kind : new_kinds()) fmt::print("  {:<15}{}\n", kind.name, kind.what);
   return answers.text("kind", "Which of these");
@@ -79,15 +81,10 @@ int run_new(const std::vector<std::string>& arguments) {
   expect_empty(line, folder);
   const Answers answers(line);
   const std::string wanted = kind_wanted(line, answers);
-  std::vector<std::string> names;
-  const NewKind* kind = nullptr;
-  for (const NewKind& one : new_kinds()) {
-    names.push_back(one.name);
-    if (one.name == wanted) kind = &one;
-  }
-  if (kind == nullptr)
-    line.fail(
-        fmt::format("--kind is '{}'{}, expected {}", wanted, did_you_mean(wanted, names), join(names, ", ")));
+  const auto kind = std::ranges::find(new_kinds(), wanted, &NewKind::name);
+  if (kind == new_kinds().end())
+    line.fail(fmt::format("--kind is '{}'{}, expected {}", wanted, did_you_mean(wanted, kind_names()),
+                          join(kind_names(), ", ")));
 
   Json data;
   const std::string standard = fs::absolute(folder).lexically_normal().filename().string();

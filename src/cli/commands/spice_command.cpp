@@ -8,7 +8,6 @@
 #include "cli/commands.hpp"
 #include "cli/shared_options.hpp"
 #include "lti/judge_responses.hpp"
-#include "schematic/opamp_library.hpp"
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/opamp_check.hpp"
@@ -36,22 +35,6 @@ void declare_spice(CommandLine& line) {
   line.band("band of the search and of the errors (default: 1/10 of the lowest corner",
             "to 10 times the highest, at most a decade beyond the sections' own band)");
   add_check_option(line, "run ngspice and compare with the program's own response");
-}
-
-/// The realisation asked for, or (none asked for) the first that is worth building.
-synthesis::BuildChoice design_circuit(const CommandLine& line, const Sections& sections,
-                                      const synthesis::RealiseOptions& options, Provenance& from) {
-  synthesis::BuildSearch search;
-  search.options = options;
-  search.may_choose = !line.has("realization");
-  search.limits_given = parts_limits_given(line);
-  search.amplitude_v = line.positive("amplitude-v");
-  std::optional<schematic::OpAmpLibrary> library;
-  if (automatic_opamp(line)) {
-    library = opamp_library_of(line, from);
-    search.opamps = &*library;
-  }
-  return value_or_throw(synthesis::realise_for_building(sections, search));
 }
 
 std::string circuit_summary(const synthesis::BuildChoice& choice, const synthesis::RealiseOptions& options) {
@@ -118,7 +101,8 @@ int run_spice(const std::vector<std::string>& arguments) {
   const Sections sections = read_rational_series(line.files(), from);
 
   const Stopwatch watch;
-  const synthesis::BuildChoice choice = design_circuit(line, sections, options, from);
+  const synthesis::BuildChoice choice =
+      design_circuit(line, sections, options, from, line.positive("amplitude-v"));
   const synthesis::Realised& made = choice.best.made;
   const double compute_s = watch.seconds();
   warn_each(choice.best.opamps.warnings);
@@ -141,11 +125,7 @@ int run_spice(const std::vector<std::string>& arguments) {
     circuit["ngspice"] = to_json(check);
     text += check_text(check);
   }
-  const bool met = !limit || made.report.all.max_magnitude_db <= *limit;
-  if (!met) {
-    text += limit_not_met(*limit, "dB");
-    circuit["limit_missed"] = true;
-  }
+  const bool met = keeps_limit(limit, made.report.all.max_magnitude_db, "dB", text, circuit);
   for (const std::string& shortfall : choice.best.shortfalls)
     text += shortfall + (shortfall_allowed ? " (allowed)\n" : ": NOT met\n");
   write_circuit(line, made, circuit);

@@ -179,18 +179,10 @@ std::vector<Hertz> read_grid(const CommandLine& line, const tolerance::Design& d
 /// The op-amp circuit that `spice` would make of the sections.
 tolerance::Design design_of_sections(const CommandLine& line, const Sections& sections,
                                      const std::string& name, Provenance& from) {
-  synthesis::BuildSearch search;
-  search.options = read_parts_options(line, from);
+  synthesis::RealiseOptions options = read_parts_options(line, from);
   if (!line.has("capacitor-series") && !line.has("stock"))
-    search.options.capacitors = synthesis::Series::named("E12");
-  search.limits_given = parts_limits_given(line);
-  search.may_choose = !line.has("realization");
-  std::optional<schematic::OpAmpLibrary> library;
-  if (automatic_opamp(line)) {
-    library = opamp_library_of(line, from);
-    search.opamps = &*library;
-  }
-  const synthesis::BuildChoice choice = value_or_throw(synthesis::realise_for_building(sections, search));
+    options.capacitors = synthesis::Series::named("E12");
+  const synthesis::BuildChoice choice = design_circuit(line, sections, options, from);
   tolerance::Design out = tolerance::design_of_circuit(
       choice.best.made.circuit, sections, name,
       line.has("opamp") ? tolerance::OpAmps::as_built : tolerance::OpAmps::ideal);

@@ -110,8 +110,7 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
     warnings.push_back(warning);
   warn_each(warnings);
   std::string text = tolerance::summary_text(report);
-  const bool met = !limit || report.study.worst.p95_percent <= *limit;
-  if (!met) text += limit_not_met(*limit, "%");
+  const bool met = keeps_limit(limit, report.study.worst.p95_percent, "%", text, json);
   return print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), json, met);
 }
 

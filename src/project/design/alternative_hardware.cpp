@@ -6,9 +6,7 @@ namespace bodesmith::project {
 namespace {
 
 fpaa::PlanOptions plan_options(const Project& project, const Band& band) {
-  fpaa::PlanOptions options;
-  options.board = project.fpaa->board;
-  options.clock = project.fpaa->clock;
+  fpaa::PlanOptions options = *project.fpaa;
   options.band = band;
   return options;
 }

@@ -29,20 +29,13 @@ CascadeFitOptions cascade_options(const Project& project) {
 }
 
 DirectFitOptions direct_options(const Project& project) {
-  DirectFitOptions out;
+  DirectFitOptions out = project.fit.direct;
   out.deadline = project.deadline;
-  out.real = project.fit.real;
-  out.relative_degree = project.fit.relative_degree;
-  out.max_corner = project.fit.max_corner;
   return out;
 }
 
 void approximate_fit(const Project& project, CascadeFit fit, Design& design) {
-  ApproximationOptions options;
-  options.method = project.approximate.method;
-  options.order = project.approximate.order;
-  options.max_error_db = project.approximate.max_error_db;
-  design.approximation = approximate_cascade(fit.cascade, options);
+  design.approximation = approximate_cascade(fit.cascade, project.approximate);
   design.fit = std::move(fit);
 }
 

@@ -37,22 +37,6 @@ std::string sections_text(const Run& run) {
                             rounded_text(built.points_max_db, 3)));
 }
 
-std::string alternatives_text(const Design& design) {
-  std::string out =
-      "           alternatives (*: built): poles, error at the points in dB, worst waveform error, worst error tracked "
-      "self-fed in % of range, gain above the band\n";
-  for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
-    const Alternative& a = design.alternatives[i];
-    out += fmt::format(
-        "         {} {:<22} {:>2} {:>9} {:>7.3f} {:>8} {:>7.2f} dB\n", i == design.chosen ? "*" : " ", a.name,
-        a.sections.pole_count(), rounded_text(a.points_max_db, 2), a.waveform.worst_percent,
-        std::isfinite(a.tracked_percent) ? fmt::format("{:.3f}", a.tracked_percent) : "diverges",
-        a.above_band_db);
-  }
-  for (const std::string& reason : design.passed_over) out += "           cannot be built: " + reason + "\n";
-  return out;
-}
-
 std::string hardware_text(const Run& run) {
   const Design& design = run.design;
   std::string out;
@@ -87,30 +71,13 @@ std::string hardware_text(const Run& run) {
   return out;
 }
 
-/// The first lines: what was tracked as built, and what stands beside it.
+/// The first lines: what was tracked as built and what stands beside it, and what is built by every engine that there is.
 std::string headline_text(const Run& run) {
   const TrackingStudy& study = run.tracking;
-  std::string out = fmt::format("{:<72}{:>9} {:>14}\n",
-                                fmt::format("tracked    worst rms error, % of range, {} {}",
-                                            to_string(study.waveform), frequency_span(study)),
-                                "as it is", "delay removed");
-  for (const HeadlineRow& row : headline(run.project, study)) {
-    const std::string plain =
-        row.as_it_is_percent ? fmt::format("{:.3f}", *row.as_it_is_percent) : std::string();
-    out += fmt::format("  {:<70}{:>9} {:>14}\n", row.what, plain, row.without_lag);
-  }
-  return out;
-}
-
-/// What is built, by every engine that there is.
-std::string engines_text(const TrackingStudy& study) {
-  std::string out;
-  for (const std::vector<std::string>& row : engine_table(study.engines)) {
-    out += fmt::format("{:<46}{:>13}{:>10}{:>10}{:>10}\n",
-                       out.empty() ? "checked    delay removed, by" : "  " + row[0], row[1], row[2], row[3],
-                       row[4]);
-  }
-  return study.engines.empty() ? "" : out;
+  return text_of(fmt::format("tracked    worst rms error, % of range, {} {}", to_string(study.waveform),
+                             frequency_span(study)),
+                 headline_table(run.project, study)) +
+         (study.engines.empty() ? "" : text_of("checked    delay removed, by", engine_table(study.engines)));
 }
 
 std::string elsewhere_text(const TrackingStudy& tracking) {
@@ -133,20 +100,6 @@ std::string elsewhere_text(const TrackingStudy& tracking) {
   return out;
 }
 
-std::string tracking_text(const TrackingStudy& tracking) {
-  std::string out = "tracking   rms error, % of range (*: built), at";
-  for (const Hertz f : tracking.frequency) out += fmt::format(" {:>8}", rounded_text(f.value));
-  out += " Hz\n";
-  for (const TrackedDesign& tracked : tracking.designs) {
-    out += fmt::format(" {}{:<45}", tracked.built ? "*" : " ", tracked.name);
-    for (const tracking::TrackingError& one : tracked.at) out += fmt::format(" {:>8.3f}", one.rms_percent);
-    out += "\n";
-  }
-  out += elsewhere_text(tracking);
-  for (const std::string& finding : tracking.findings) out += "note: " + finding + "\n";
-  return out;
-}
-
 }  // namespace
 
 bool Run::limits_met() const {
@@ -164,7 +117,7 @@ std::vector<std::string> Run::shortfalls() const {
 std::string Run::summary(const std::filesystem::path& folder) const {
   std::string out = project.name + "\n";
   if (project.plant) {
-    out += "built      " + design.built().name + "\n" + headline_text(*this) + engines_text(tracking);
+    out += "built      " + design.built().name + "\n" + headline_text(*this);
   } else {
     out += target_text(*this) + sections_text(*this);
   }
@@ -179,8 +132,14 @@ std::string Run::summary(const std::filesystem::path& folder) const {
 }
 
 std::string Run::tables() const {
-  return project.name + "\n" + headline_text(*this) + engines_text(tracking) + sections_text(*this) +
-         alternatives_text(design) + hardware_text(*this) + tracking_text(tracking) + limits_text(limits);
+  std::string out = project.name + "\n" + headline_text(*this) + sections_text(*this) +
+                    text_of("           alternatives (*: built)", alternatives_table(design));
+  for (const std::string& reason : design.passed_over) out += "           cannot be built: " + reason + "\n";
+  out += hardware_text(*this) +
+         text_of("tracking   rms error, % of range (*: built), at", tracking_table(tracking)) +
+         elsewhere_text(tracking);
+  for (const std::string& finding : tracking.findings) out += "note: " + finding + "\n";
+  return out + limits_text(limits);
 }
 
 }  // namespace bodesmith::project

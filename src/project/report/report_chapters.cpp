@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/text.hpp"
@@ -78,6 +79,25 @@ report::Table cams_table(const fpaa::Plan& plan) {
     }
   }
   return table;
+}
+
+std::string text_of(const std::string& caption, const report::Table& table) {
+  std::vector<std::vector<std::string>> rows = {table.head};
+  rows.front().front() = caption;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    rows.push_back(table.rows[i]);
+    rows.back().front().insert(0, std::ranges::count(table.marked, i) > 0 ? "* " : "  ");
+  }
+  std::vector<std::size_t> widths(table.head.size(), 0);
+  for (const std::vector<std::string>& row : rows)
+    for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
+  std::string out;
+  for (const std::vector<std::string>& row : rows) {
+    out += fmt::format("{:<{}}", row.front(), widths.front());
+    for (std::size_t k = 1; k < row.size(); ++k) out += fmt::format("  {:>{}}", row[k], widths[k]);
+    out += "\n";
+  }
+  return out;
 }
 
 std::string sections_caption(const Sections& sections) {

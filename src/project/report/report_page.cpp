@@ -1,8 +1,7 @@
-#include "project/report/report_page.hpp"
-
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "project/output/run_files.hpp"
 #include "project/report/report_chapters.hpp"
 #include "report/page.hpp"
 
@@ -48,19 +47,10 @@ std::vector<std::pair<std::string, std::string>> key_figures(const Run& run) {
   return out;
 }
 
-report::Table headline_table(const Run& run) {
-  report::Table table{{"", "as it is", "pure delay removed"}, {}, {}};
-  for (const HeadlineRow& row : headline(run.project, run.tracking)) {
-    table.rows.push_back({row.what, row.as_it_is_percent ? fmt::format("{:.3f}", *row.as_it_is_percent) : "",
-                          row.without_lag});
-  }
-  return table;
-}
-
 void summary_chapter(report::Page& page, const Run& run) {
   page.chapter("Summary");
   if (run.project.plant)
-    page.table(headline_table(run),
+    page.table(headline_table(run.project, run.tracking),
                fmt::format("Worst rms tracking error, % of range, {}, {}", to_string(run.tracking.waveform),
                            frequency_span(run.tracking)));
   page.key_figures(key_figures(run));

@@ -11,19 +11,29 @@
 namespace bodesmith::project {
 namespace {
 
+std::string settled_text(double percent) {
+  return std::isfinite(percent) ? fmt::format("{:.3f}", percent) : "does not settle";
+}
+
+}  // namespace
+
 report::Table alternatives_table(const Design& design) {
-  report::Table table{{"alternative", "poles", "error at the points, dB", "phase there, degrees",
-                       "above the band, dB", "waveform rms, %", "worst frequency, %", "FPAA blocks"},
-                      {},
-                      {design.chosen}};
+  report::Table table{
+      {"alternative", "poles", "error at the points, dB", "phase there, degrees", "above the band, dB",
+       "waveform rms, %", "worst frequency, %", "tracked self-fed, %", "FPAA blocks"},
+      {},
+      {design.chosen}};
   for (const Alternative& a : design.alternatives) {
     table.rows.push_back({a.name, std::to_string(a.sections.pole_count()), rounded_text(a.points_max_db, 3),
                           rounded_text(a.phase_at_points_deg, 3), fmt::format("{:.2f}", a.above_band_db),
                           fmt::format("{:.3f}", a.waveform.rms_percent),
-                          fmt::format("{:.3f}", a.waveform.worst_percent), std::to_string(a.fpaa_blocks)});
+                          fmt::format("{:.3f}", a.waveform.worst_percent), settled_text(a.tracked_percent),
+                          std::to_string(a.fpaa_blocks)});
   }
   return table;
 }
+
+namespace {
 
 /// Every second point of the stages that can be told apart, so that seven alternatives stay a small part of the page.
 std::vector<report::Plot> response_plots(const Run& run, const AlternativeStudy& study) {
@@ -67,9 +77,7 @@ report::Table tracked_table(const Run& run, const Alternative& alternative) {
   report::Table table{{"frequency, Hz", "tracking rms, %", "waveform rms, %"}, {}, {}};
   for (std::size_t i = 0; i < run.tracking.frequency.size(); ++i) {
     table.rows.push_back({rounded_text(run.tracking.frequency[i].value),
-                          std::isfinite(alternative.tracked_at_percent[i])
-                              ? fmt::format("{:.3f}", alternative.tracked_at_percent[i])
-                              : "does not settle",
+                          settled_text(alternative.tracked_at_percent[i]),
                           fmt::format("{:.3f}", alternative.waveform.points[i].rms_percent)});
   }
   return table;
@@ -116,7 +124,8 @@ void add_alternatives(report::Page& page, const Run& run) {
   page.choices(
       alternatives_table(run.design),
       "Alternatives (marked: the one that is built). Direct and waveform fits have real poles and zeros. "
-      "Waveform: error of the compensating waveform at the tracked frequencies, % of range. Choose a row to see what it "
+      "Waveform: error of the compensating waveform at the tracked frequencies, % of range; tracked: worst error of a "
+      "generator fed by its own drive, pure delay removed. Choose a row to see what it "
       "becomes; on the board by a quick search where it is not built (bodesmith fpaa searches longer).",
       choices, run.design.chosen);
 }

@@ -4,25 +4,27 @@
 
 #include "base/hertz_values.hpp"
 #include "base/text.hpp"
+#include "project/report/report_chapters.hpp"
 #include "project/run.hpp"
 #include "project/tracking/engines.hpp"
 #include "report/page.hpp"
 #include "report/plot.hpp"
 
 namespace bodesmith::project {
-namespace {
-
 report::Table tracking_table(const TrackingStudy& study) {
   report::Table table;
   table.head = {"compensation"};
   for (const Hertz f : study.frequency) table.head.push_back(rounded_text(f.value) + " Hz");
   for (const TrackedDesign& design : study.designs) {
+    if (design.built) table.marked.push_back(table.rows.size());
     table.rows.push_back({design.name});
     for (const tracking::TrackingError& one : design.at)
       table.rows.back().push_back(fmt::format("{:.3f}", one.rms_percent));
   }
   return table;
 }
+
+namespace {
 
 /// Of twenty curves those that a reader looks for first: nothing, the polynomial, the disturbance paper's design, the ideal
 /// and what stands for the run. The others are switched on in the page.
@@ -95,14 +97,10 @@ void tracking_chapter(report::Page& page, const Run& run) {
       to_string(run.tracking.waveform), rounded_text(run.tracking.amplitude),
       rounded_text(run.project.plant->stroke_m * 1e6),
       rounded_text(run.tracking.max_cross_check_percent, 2)));
-  page.table(tracking_table(run.tracking), "rms tracking error, % of range");
+  page.table(tracking_table(run.tracking), "rms tracking error, % of range (marked: of what is built)");
   if (!run.tracking.engines.empty()) {
-    report::Table engines;
-    engines.rows = engine_table(run.tracking.engines);
-    engines.head = engines.rows.front();
-    engines.rows.erase(engines.rows.begin());
     page.table(
-        engines,
+        engine_table(run.tracking.engines),
         "what is built, by every engine: worst rms error over the frequencies, pure delay removed, and the "
         "greatest rms difference between two of them, % of range");
     for (const EngineRow& one : run.tracking.engines)

@@ -4,6 +4,7 @@
 
 #include "base/documents/json.hpp"
 #include "base/text.hpp"
+#include "project/report/report_chapters.hpp"
 #include "project/sweep/sweep.hpp"
 
 namespace bodesmith::project {
@@ -103,22 +104,21 @@ std::string sweep_csv(const Sweep& sweep) {
 
 std::string sweep_summary(const Sweep& sweep) {
   const std::vector<std::string> names = figure_names(sweep);
-  std::size_t width = 7;
-  for (const SweptVariant& variant : sweep.variants) width = std::max(width, variant.name.size());
-  std::string out = fmt::format("{}: {} variants\n{:<{}}  {:<12}", sweep.project, sweep.variants.size(),
-                                "variant", width, "status");
-  for (const std::string& name : names) out += fmt::format(" {:>16}", name);
-  out += "\n";
+  report::Table table{{"variant", "status"}, {}, {}};
+  table.head.insert(table.head.end(), names.begin(), names.end());
+  std::string refused;
   for (const SweptVariant& variant : sweep.variants) {
     std::string status(to_string(variant.status));
     std::replace(status.begin(), status.end(), '_', ' ');
-    out += fmt::format("{:<{}}  {:<12}", variant.name, width, status);
+    std::vector<std::string>& row = table.rows.emplace_back(std::vector{variant.name, status});
     for (const std::string& name : names) {
       const double* const value = figure(variant, name);
-      out += fmt::format(" {:>16}", value == nullptr ? "" : rounded_text(*value, 3));
+      row.push_back(value == nullptr ? "" : rounded_text(*value, 3));
     }
-    out += variant.message.empty() ? "\n" : "  " + variant.message + "\n";
+    if (!variant.message.empty()) refused += variant.name + ": " + variant.message + "\n";
   }
+  std::string out = fmt::format("{}: {} variants\n", sweep.project, sweep.variants.size()) +
+                    text_of("variant", table) + refused;
   const auto kept = std::count_if(sweep.variants.begin(), sweep.variants.end(),
                                   [](const SweptVariant& variant) { return variant.kept; });
   if (kept > 0) out += fmt::format("{} of them kept from an earlier sweep\n", kept);

@@ -144,11 +144,12 @@ std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::R
   return out;
 }
 
-std::vector<std::vector<std::string>> engine_table(const std::vector<EngineRow>& rows) {
-  std::vector<std::vector<std::string>> out = {{"", "closed form", "CVODE", "ngspice", "within"}};
+report::Table engine_table(const std::vector<EngineRow>& rows) {
+  report::Table out{{"", "closed form", "CVODE", "ngspice", "within"}, {}, {}};
   for (const EngineRow& one : rows)
-    out.push_back({one.what, percent_text(one.closed_form_percent), percent_text(one.cvode_percent, "no ODE"),
-                   percent_text(one.ngspice_percent, "absent"), percent_text(one.agreement_percent)});
+    out.rows.push_back({one.what, percent_text(one.closed_form_percent),
+                        percent_text(one.cvode_percent, "no ODE"),
+                        percent_text(one.ngspice_percent, "absent"), percent_text(one.agreement_percent)});
   return out;
 }
 

@@ -20,7 +20,6 @@ CircuitTracked track_circuit(const Project& project, const Design& design,
 std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::Report& followed,
                                    const CircuitTracked& circuit, const BoardsInTime& board);
 
-/// Head and rows of texts, for a terminal or a page.
-std::vector<std::vector<std::string>> engine_table(const std::vector<EngineRow>& rows);
+report::Table engine_table(const std::vector<EngineRow>& rows);
 
 }  // namespace bodesmith::project

@@ -30,19 +30,26 @@ std::string frequency_list(const std::vector<Hertz>& frequencies) {
   return (parts.empty() ? last : join(parts, ", ") + " and " + last) + " Hz";
 }
 
-/// The magnitude is met, and yet the waveform may get worse. Pure delay is not the compensator's doing: figures without
-/// it.
+/// Where the first is more than 2 % worse. Pure delay is not the compensator's doing: figures without it.
+std::vector<Hertz> worse_at(const TrackingStudy& study, const TrackedDesign& first,
+                            const TrackedDesign& second) {
+  std::vector<Hertz> out;
+  for (std::size_t i = 0; i < study.frequency.size(); ++i)
+    if (first.at[i].rms_percent_without_lag > 1.02 * second.at[i].rms_percent_without_lag)
+      out.push_back(study.frequency[i]);
+  return out;
+}
+
+/// The magnitude is met, and yet the waveform may get worse.
 Findings cascade_worse_than_constant(const Budget& budget, const TrackingStudy& study) {
-  const auto without_lag = &tracking::TrackingError::rms_percent_without_lag;
-  const std::vector<double> constant = study.find(tracked::polynomial)->each(without_lag);
-  const std::vector<double> cascade = study.find(tracked::cascade)->each(without_lag);
-  std::vector<Hertz> worse;
-  std::size_t worst = 0;
-  for (std::size_t i = 0; i < study.frequency.size(); ++i) {
-    if (cascade[i] > 1.02 * constant[i]) worse.push_back(study.frequency[i]);
-    if (cascade[i] - constant[i] > cascade[worst] - constant[worst]) worst = i;
-  }
+  const TrackedDesign &first = *study.find(tracked::cascade), &second = *study.find(tracked::polynomial);
+  const std::vector<Hertz> worse = worse_at(study, first, second);
   if (worse.empty()) return {};
+  const auto without_lag = &tracking::TrackingError::rms_percent_without_lag;
+  const std::vector<double> cascade = first.each(without_lag), constant = second.each(without_lag);
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < cascade.size(); ++i)
+    if (cascade[i] - constant[i] > cascade[worst] - constant[worst]) worst = i;
   Findings out = {fmt::format(
       "Magnitude-only compensation is worse than the constant polynomial at {} ({} % of range rms instead of "
       "{} % at {} Hz, pure delay removed): it meets the gain at the fundamental, but shifts the phase of a "
@@ -114,11 +121,7 @@ Findings worse_than_constant(const TrackingStudy& study) {
   const TrackedDesign* built = study.find(study.as_built);
   const TrackedDesign* constant = study.find(tracked::polynomial);
   if (built == nullptr || constant == nullptr || built == constant) return {};
-  std::vector<Hertz> worse;
-  for (std::size_t i = 0; i < study.frequency.size(); ++i) {
-    if (built->at[i].rms_percent_without_lag > 1.02 * constant->at[i].rms_percent_without_lag)
-      worse.push_back(study.frequency[i]);
-  }
+  const std::vector<Hertz> worse = worse_at(study, *built, *constant);
   if (worse.empty()) return {};
   return {fmt::format("As built ('{}') the stage tracks worse than with the constant polynomial at {}.",
                       built->name, frequency_list(worse))};

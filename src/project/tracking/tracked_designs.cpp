@@ -15,7 +15,6 @@ namespace {
 using tracking::ConstantGain;
 using tracking::GeneratorForm;
 using tracking::Uncompensated;
-using Candidates = std::vector<TrackedCandidate>;
 
 constexpr const char* kIdealCascade = "ideal fractional cascade";
 constexpr const char* kIntegerSections = "integer sections";
@@ -68,121 +67,78 @@ tracking::Compensator plan_compensator(const fpaa::Plan& plan, bool hold_and_del
   return out;
 }
 
-/// Collects candidates of one project.
-class Collector {
- public:
-  Collector(const Project& project, const Design& design) : project_(project), design_(design) {}
-  Candidates all();
-
- private:
-  TrackedCandidate& add(std::string_view key, std::string name, tracking::Compensator compensator,
-                        GeneratorForm form = GeneratorForm::one_pass(), std::string made_from = {}) {
-    TrackedCandidate candidate{std::string(key), false, generator_parts(form),
-                               compensated_design(project_, std::move(name), std::move(compensator), form)};
-    candidate.design.made_from = std::move(made_from);
-    out_.push_back(std::move(candidate));
-    return out_.back();
-  }
-  int generator_parts(GeneratorForm form) const {
-    return static_cast<int>(design_.layout->generator_multipliers()) * std::max(1, form.passes);
-  }
-  void add_comparisons();
-  void add_hardware();
-  void add_more_passes();
-  void add_self_fed_hardware();
-
-  const Project& project_;
-  const Design& design_;
-  Candidates out_;
-};
-
-/// What other ways of compensating would reach in one pass, for comparison.
-void Collector::add_comparisons() {
-  const Alternative* waveform = best_waveform_fit(design_);
-  if (waveform != nullptr && design_.built().kind != Alternative::Kind::waveform)
-    add(tracked::waveform, waveform->name, waveform->sections);
-  // What no linear filter can do: a gain set by the measured frequency adds no phase.
-  if (const auto table = rate_table(project_))
-    add(tracked::scheduled, "gain set by the known frequency", *table);
-}
-
-void Collector::add_hardware() {
-  if (design_.plan) {
-    add(tracked::fpaa, kFpaaCapacitors, plan_compensator(*design_.plan, false), GeneratorForm::one_pass(),
-        kIntegerSections);
-    add(tracked::fpaa_with_holds, "FPAA as its switches make it", plan_compensator(*design_.plan, true),
-        GeneratorForm::one_pass(), kFpaaCapacitors)
-        .built = true;
-  }
-  if (design_.paper_plan) {
-    const auto cams = design_.paper_plan->cams();
-    add(tracked::paper_board,
-        fmt::format("the paper's board: {} FilterBilinear on one chip at one clock of {}", cams.size(),
-                    engineering_text(cams[0]->clock_a.value, "Hz", 4)),
-        plan_compensator(*design_.paper_plan, true));
-  }
-  if (design_.circuit) {
-    TrackedCandidate& circuit =
-        add(tracked::circuit, project_.circuit->resistors + " circuit",
-            design_.realised().circuit.realised_sections(), GeneratorForm::one_pass(), kIntegerSections);
-    circuit.built = true;
-    circuit.parts += static_cast<int>(design_.realised().circuit.stages.size());
-  }
-}
-
-void Collector::add_more_passes() {
-  const auto table = rate_table(project_);
-  add(tracked::two_passes, "two passes", ConstantGain{}, GeneratorForm::two_passes());
-  if (table)
-    add(tracked::two_passes_scheduled, "two passes, gain by the known frequency", *table,
-        GeneratorForm::two_passes());
-  const GeneratorForm loop = GeneratorForm::self_fed();
-  add(tracked::self_fed, "self-fed", ConstantGain{}, loop).built = true;
-  add(tracked::self_fed_sections, "self-fed, integer sections", design_.sections(), loop);
-  if (!table) return;
-  add(tracked::self_fed_scheduled, "self-fed, gain by the known frequency", *table, loop);
-  add(tracked::self_fed_slope, "self-fed, gain by the measured slope", slope_gain(project_, *table), loop);
-  const tracking::FilterAndSchedule sum{
-      design_.sections(),
-      tracking::rest_of(design_.sections(), project_.target.disturbance, project_.target.branch)};
-  add(tracked::self_fed_sum, "self-fed, sections and gain by the known frequency", sum, loop);
-}
-
-void Collector::add_self_fed_hardware() {
-  const GeneratorForm loop = GeneratorForm::self_fed();
-  if (design_.plan) {
-    add(tracked::self_fed_fpaa, "self-fed, FPAA with holds", plan_compensator(*design_.plan, true), loop);
-  }
-  if (design_.circuit) {
-    TrackedCandidate& circuit =
-        add(tracked::self_fed_circuit, "self-fed, " + project_.circuit->resistors + " circuit",
-            design_.realised().circuit.realised_sections(), loop);
-    circuit.built = true;
-    circuit.parts += static_cast<int>(design_.realised().circuit.stages.size());
-  }
-}
-
-Candidates Collector::all() {
-  out_.push_back({std::string(tracked::none),
-                  false,
-                  0,
-                  {"without compensation", Uncompensated{}, Uncompensated{}, "", GeneratorForm::one_pass()}});
-  add(tracked::polynomial, "constant polynomial", ConstantGain{}).built = true;
-  add(tracked::cascade, kIdealCascade, ideal_cascade(design_));
-  const bool from_cascade = design_.built().kind == Alternative::Kind::cascade;
-  add(tracked::sections, kIntegerSections, design_.sections(), GeneratorForm::one_pass(),
-      from_cascade ? kIdealCascade : "");
-  add_comparisons();
-  add_hardware();
-  add_more_passes();
-  add_self_fed_hardware();
-  return std::move(out_);
-}
-
 }  // namespace
 
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design) {
-  return Collector(project, design).all();
+  constexpr GeneratorForm once = GeneratorForm::one_pass(), twice = GeneratorForm::two_passes(),
+                          loop = GeneratorForm::self_fed();
+  std::vector<TrackedCandidate> out;
+  const auto add = [&](std::string_view key, std::string name, tracking::Compensator compensator,
+                       GeneratorForm form, std::string made_from = {}) -> TrackedCandidate& {
+    const int multipliers = static_cast<int>(design.layout->generator_multipliers());
+    TrackedCandidate& one = out.emplace_back(
+        TrackedCandidate{std::string(key), false, multipliers * std::max(1, form.passes),
+                         compensated_design(project, std::move(name), std::move(compensator), form)});
+    one.design.made_from = std::move(made_from);
+    return one;
+  };
+  const auto add_circuit = [&](std::string_view key, const char* before, GeneratorForm form,
+                               std::string made_from) {
+    if (!design.circuit) return;
+    const synthesis::Circuit& circuit = design.realised().circuit;
+    TrackedCandidate& one = add(key, before + project.circuit->resistors + " circuit",
+                                circuit.realised_sections(), form, std::move(made_from));
+    one.built = true;
+    one.parts += static_cast<int>(circuit.stages.size());
+  };
+  const Sections& sections = design.sections();
+  const auto table = rate_table(project);
+
+  out.push_back({std::string(tracked::none),
+                 false,
+                 0,
+                 {"without compensation", Uncompensated{}, Uncompensated{}, "", once}});
+  add(tracked::polynomial, "constant polynomial", ConstantGain{}, once).built = true;
+  add(tracked::cascade, kIdealCascade, ideal_cascade(design), once);
+  add(tracked::sections, kIntegerSections, sections, once,
+      design.built().kind == Alternative::Kind::cascade ? kIdealCascade : "");
+  if (const Alternative* waveform = best_waveform_fit(design);
+      waveform != nullptr && design.built().kind != Alternative::Kind::waveform)
+    add(tracked::waveform, waveform->name, waveform->sections, once);
+  // What no linear filter can do: a gain set by the measured frequency adds no phase.
+  if (table) add(tracked::scheduled, "gain set by the known frequency", *table, once);
+  if (design.plan) {
+    add(tracked::fpaa, kFpaaCapacitors, plan_compensator(*design.plan, false), once, kIntegerSections);
+    add(tracked::fpaa_with_holds, "FPAA as its switches make it", plan_compensator(*design.plan, true), once,
+        kFpaaCapacitors)
+        .built = true;
+  }
+  if (design.paper_plan) {
+    const auto cams = design.paper_plan->cams();
+    add(tracked::paper_board,
+        fmt::format("the paper's board: {} FilterBilinear on one chip at one clock of {}", cams.size(),
+                    engineering_text(cams[0]->clock_a.value, "Hz", 4)),
+        plan_compensator(*design.paper_plan, true), once);
+  }
+  add_circuit(tracked::circuit, "", once, kIntegerSections);
+
+  add(tracked::two_passes, "two passes", ConstantGain{}, twice);
+  if (table) add(tracked::two_passes_scheduled, "two passes, gain by the known frequency", *table, twice);
+
+  add(tracked::self_fed, "self-fed", ConstantGain{}, loop).built = true;
+  add(tracked::self_fed_sections, "self-fed, integer sections", sections, loop);
+  if (table) {
+    add(tracked::self_fed_scheduled, "self-fed, gain by the known frequency", *table, loop);
+    add(tracked::self_fed_slope, "self-fed, gain by the measured slope", slope_gain(project, *table), loop);
+    add(tracked::self_fed_sum, "self-fed, sections and gain by the known frequency",
+        tracking::FilterAndSchedule{
+            sections, tracking::rest_of(sections, project.target.disturbance, project.target.branch)},
+        loop);
+  }
+  if (design.plan)
+    add(tracked::self_fed_fpaa, "self-fed, FPAA with holds", plan_compensator(*design.plan, true), loop);
+  add_circuit(tracked::self_fed_circuit, "self-fed, ", loop, {});
+  return out;
 }
 
 TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vector<Hertz>& frequencies,

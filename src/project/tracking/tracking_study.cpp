@@ -142,12 +142,12 @@ std::string frequency_span(const TrackingStudy& study) {
   return fmt::format("{} to {} Hz", rounded_text(low->value), rounded_text(high->value));
 }
 
-std::vector<HeadlineRow> headline(const Project& project, const TrackingStudy& study) {
-  std::vector<HeadlineRow> out;
+report::Table headline_table(const Project& project, const TrackingStudy& study) {
+  report::Table out{{"", "as it is", "delay removed"}, {}, {}};
   const auto add = [&](const std::string& what, const TrackedDesign* design) {
     if (design == nullptr) return;
-    out.push_back(
-        {what, design->worst_percent(), fmt::format("{:.3f}", design->worst_without_lag_percent())});
+    out.rows.push_back({what, fmt::format("{:.3f}", design->worst_percent()),
+                        fmt::format("{:.3f}", design->worst_without_lag_percent())});
   };
   const TrackedDesign* built = study.find(study.as_built);
   add("as built: " + (built == nullptr ? std::string() : built->name), built);
@@ -157,8 +157,7 @@ std::vector<HeadlineRow> headline(const Project& project, const TrackingStudy& s
   const std::vector<double>& measured = project.track.measured_percent;
   if (!measured.empty()) {
     const auto [low, high] = std::minmax_element(measured.begin(), measured.end());
-    out.push_back(
-        {"measured on the paper's stage", std::nullopt, fmt::format("{:.2f} to {:.2f}", *low, *high)});
+    out.rows.push_back({"measured on the paper's stage", "", fmt::format("{:.2f} to {:.2f}", *low, *high)});
   }
   return out;
 }

@@ -9,6 +9,7 @@
 #include "project/design/budget.hpp"
 #include "project/design/design.hpp"
 #include "project/project.hpp"
+#include "report/page.hpp"
 #include "tracking/built_controller.hpp"
 #include "tracking/stage.hpp"
 
@@ -127,11 +128,6 @@ std::string frequency_span(const TrackingStudy& study);
 
 /// What was tracked as built, and beside it nothing, the disturbance paper's design and what was measured: worst rms
 /// errors over the frequencies, for the first lines of summary and report.
-struct HeadlineRow {
-  std::string what;
-  std::optional<double> as_it_is_percent;
-  std::string without_lag;  ///< percent; a range for what was measured
-};
-std::vector<HeadlineRow> headline(const Project& project, const TrackingStudy& study);
+report::Table headline_table(const Project& project, const TrackingStudy& study);
 
 }  // namespace bodesmith::project

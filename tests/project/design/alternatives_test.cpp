@@ -22,7 +22,7 @@ Project project_with(const std::string& tables) {
              "[plant]\nstroke_m = 1e-6\n[track]\nfrequency_hz = [1, 10, 20, 60, 100]\n" +
                  tables);
   Provenance from;
-  return Project::read(folder / "project.toml", from);
+  return ProjectSource::read(folder / "project.toml").project(from);
 }
 
 TEST(Alternatives, FewestSectionsMeetThePoints) {

@@ -13,8 +13,8 @@ namespace {
 
 Project seed_project(std::vector<Hertz> frequencies) {
   Provenance from;
-  Project project =
-      Project::read(std::filesystem::path(BODESMITH_SOURCE_DIR) / "examples/nanopositioner/seed.toml", from);
+  const std::filesystem::path root = BODESMITH_SOURCE_DIR;
+  Project project = ProjectSource::read(root / "examples/nanopositioner/seed.toml").project(from);
   project.track.frequency = std::move(frequencies);
   project.fpaa->clock = Hertz{2000};
   return project;

@@ -2,6 +2,7 @@
 #include <complex>
 
 #include "approximate/method.hpp"
+#include "numeric/quadratic_roots.hpp"
 
 namespace bodesmith {
 namespace {
@@ -55,17 +56,8 @@ Outcome<NormalisedApproximation> RefinedOustaloup::approximate(const Approximati
   const double d2 = wide / r;
   const double c1 = task.beta * n1 + (1.0 - task.beta) * d1;
   const double c2 = task.beta * n2 + (1.0 - task.beta) * d2;
-  // Both are real roots: c1^2 > 4 c2 because c1 > 2 and c2 lies between 9/10 and 10/9... for every kappa > 1.
-  const double discriminant = c1 * c1 - 4.0 * c2;
-  if (discriminant >= 0.0) {
-    const double large = -(c1 + std::sqrt(discriminant)) / (2.0 * c2);
-    out.zeros.emplace_back(large, 0.0);
-    out.zeros.emplace_back(1.0 / (c2 * large), 0.0);
-  } else {
-    const std::complex<double> root(-c1 / (2.0 * c2), std::sqrt(-discriminant) / (2.0 * c2));
-    out.zeros.push_back(root);
-    out.zeros.push_back(std::conj(root));
-  }
+  // Both are real: c1^2 > 4 c2 because c1 > 2 and c2 lies between 9/10 and 10/9... for every kappa > 1.
+  for (const std::complex<double> root : quadratic_roots(1.0, c1, c2)) out.zeros.push_back(root);
   out.poles.emplace_back(-r, 0.0);
   out.poles.emplace_back(-1.0 / wide, 0.0);
   out.gain *= c2 / d2;

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "fpaa/device/board.hpp"
+#include "numeric/quadratic_roots.hpp"
 #include "project/track_file.hpp"
 #include "synthesis/circuit.hpp"
 #include "synthesis/parts/series.hpp"
@@ -102,11 +103,7 @@ std::vector<std::complex<double>> quadratic_roots(const Node& node) {
     node.fail("has roots in the right half plane, expected c1 and c0 above 0");
   if (!std::isfinite(c[0] * c[0]))
     node.fail("has roots beyond what can be computed, expected c1 below 1e154");
-  const std::complex<double> root = std::sqrt(std::complex<double>(c[0] * c[0] / 4.0 - c[1], 0.0));
-  if (root.imag() != 0.0) return {{-c[0] / 2.0, root.imag()}, {-c[0] / 2.0, -root.imag()}};
-  // The root farther out first, the other from the product: no cancellation.
-  const double far = -(c[0] / 2.0 + root.real());
-  return {{far, 0.0}, {c[1] / far, 0.0}};
+  return bodesmith::quadratic_roots(c[1], c[0], 1.0);
 }
 
 /// Of a stage: the gains of its disturbance over frequency.

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/hertz_values.hpp"
+#include "numeric/interpolated.hpp"
 
 namespace bodesmith {
 namespace {
@@ -45,22 +46,13 @@ void check_table(const Node& node, std::string_view first, const std::vector<dou
     check_sizes(node.at(branch), node.at(branch).numbers());
 }
 
-/// Piecewise linear in the key, held at the ends.
-double interpolate(const std::vector<double>& key, const std::vector<double>& value, double at) {
-  if (at <= key.front()) return value.front();
-  if (at >= key.back()) return value.back();
-  const std::size_t i = static_cast<std::size_t>(std::upper_bound(key.begin(), key.end(), at) - key.begin());
-  const double t = (at - key[i - 1]) / (key[i] - key[i - 1]);
-  return value[i - 1] + t * (value[i] - value[i - 1]);
-}
-
 }  // namespace
 
 double Disturbance::rate_gain(Branch branch, Hertz frequency) const {
   if (rate.frequency.empty()) return 1.0;
   std::vector<double> key;
   for (const Hertz f : rate.frequency) key.push_back(std::log(f.value));
-  return interpolate(key, rate.of(branch), std::log(frequency.value));
+  return interpolated(key, rate.of(branch), std::log(frequency.value));
 }
 
 double Disturbance::steepest(Branch branch, double to) const {
@@ -87,7 +79,7 @@ Disturbance Disturbance::at(double alpha, std::optional<Hertz> operating) const 
 
 double Disturbance::AmplitudeGains::at(Branch branch, double stroke) const {
   if (alpha.empty()) return stroke;
-  return interpolate(alpha, of(branch), stroke) * std::min(stroke / alpha.front(), 1.0);
+  return interpolated(alpha, of(branch), stroke) * std::min(stroke / alpha.front(), 1.0);
 }
 
 std::string_view to_string(Disturbance::Branch branch) {

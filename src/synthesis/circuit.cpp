@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "base/text.hpp"
+#include "numeric/quadratic_roots.hpp"
 #include "schematic/writers/parts_table.hpp"
 #include "signal/csv.hpp"
 
@@ -34,24 +35,6 @@ std::string factors_text(const std::vector<std::complex<double>>& roots) {
 }
 
 using Complex = std::complex<double>;
-
-std::vector<Complex> roots(double c0, double c1, double c2) {
-  if (c2 == 0.0) {
-    if (c1 == 0.0) return {};
-    return {Complex(-c0 / c1, 0.0)};
-  }
-  const double half = -0.5 * c1 / c2;
-  const double product = c0 / c2;
-  const double discriminant = half * half - product;
-  if (discriminant < 0.0) {
-    const double imaginary = std::sqrt(-discriminant);
-    return {Complex(half, imaginary), Complex(half, -imaginary)};
-  }
-  // The larger root first, the other from the product: no cancellation.
-  const double larger = half + std::copysign(std::sqrt(discriminant), half);
-  if (larger == 0.0) return {Complex(0.0, 0.0), Complex(0.0, 0.0)};
-  return {Complex(larger, 0.0), Complex(product / larger, 0.0)};
-}
 
 /// Coefficients c0 + c1 s + c2 s^2 of prod (s - r).
 void expand(const std::vector<Complex>& r, double& c0, double& c1, double& c2) {
@@ -114,7 +97,7 @@ std::string parts_csv(const Circuit& circuit) {
 }
 
 Section Biquad::section() const {
-  Section out{.zeros = roots(b0, b1, b2), .poles = roots(a0, a1, a2)};
+  Section out{.zeros = quadratic_roots(b0, b1, b2), .poles = quadratic_roots(a0, a1, a2)};
   const double top = b2 != 0.0 ? b2 : (b1 != 0.0 ? b1 : b0);
   const double bottom = a2 != 0.0 ? a2 : (a1 != 0.0 ? a1 : a0);
   out.gain = top / bottom;

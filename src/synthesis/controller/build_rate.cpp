@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/hertz_values.hpp"
 #include "base/text.hpp"
+#include "numeric/interpolated.hpp"
 #include "synthesis/controller/build.hpp"
 #include "synthesis/controller/controller.hpp"
 
@@ -84,14 +86,7 @@ constexpr double kRectifierOhm = 10e3;
 }  // namespace
 
 double RateCurve::value(Disturbance::Branch which, Hertz frequency) const {
-  const std::vector<double>& k = gain[branch_index(which)];
-  if (frequency.value <= corner.front().value) return k.front();
-  for (std::size_t i = 1; i < corner.size(); ++i) {
-    if (frequency.value > corner[i].value) continue;
-    const double t = (frequency.value - corner[i - 1].value) / (corner[i].value - corner[i - 1].value);
-    return k[i - 1] + t * (k[i] - k[i - 1]);
-  }
-  return k.back();
+  return interpolated(hertz_values(corner), gain[branch_index(which)], frequency.value);
 }
 
 /// w = -Rd Cd dr/dt, then -|w| with a first-order smoothing: sn.

@@ -5,16 +5,11 @@
 
 #include "base/documents/json.hpp"
 #include "numeric/parallel_for.hpp"
+#include "signal/statistics.hpp"
 #include "synthesis/controller/as_built.hpp"
 
 namespace bodesmith::controller {
 namespace {
-
-double rms_percent(const std::vector<double>& a, const std::vector<double>& b, double range) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return 100.0 * std::sqrt(sum / static_cast<double>(a.size())) / range;
-}
 
 /// Over the time between the instants, which lie close where v moves fast.
 double rms_in_time_percent(const std::vector<double>& t, const std::vector<double>& a,
@@ -45,7 +40,7 @@ std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
     one.cvode_difference_percent = rms_in_time_percent(
         run.own_s, run.own_v, run_in_cvode(controller, reference, f, run.v.size(), run.own_s).own_v,
         reference.alpha());
-    one.start_up_percent = rms_percent(run.first_v, run.v, reference.alpha());
+    one.start_up_percent = 100.0 * error_figures(run.first_v, run.v).rms / reference.alpha();
     one.wall_s = run.wall_s;
     out.push_back(one);
   }

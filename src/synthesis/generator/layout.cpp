@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/interpolated.hpp"
+
 namespace bodesmith::generator {
 
 double polynomial(const std::vector<double>& a, double x) {
@@ -26,25 +28,13 @@ int degree(const std::vector<double>& a) {
   return static_cast<int>(n);
 }
 
-namespace {
-
-/// Of a table that is held beyond its ends.
-double gain_at(const std::vector<double>& alpha, const std::vector<double>& gain, double at) {
-  if (at <= alpha.front()) return gain.front();
-  if (at >= alpha.back()) return gain.back();
-  const auto i = static_cast<std::size_t>(std::upper_bound(alpha.begin(), alpha.end(), at) - alpha.begin());
-  return gain[i - 1] + (at - alpha[i - 1]) / (alpha[i] - alpha[i - 1]) * (gain[i] - gain[i - 1]);
-}
-
-}  // namespace
-
 double Layout::wanted(std::size_t branch, double x, double alpha) const {
-  const double gain = amplitude ? gain_at(amplitude->alpha, amplitude->wanted[branch], alpha) : 1.0;
+  const double gain = amplitude ? interpolated(amplitude->alpha, amplitude->wanted[branch], alpha) : 1.0;
   return gain * polynomial(branches[branch].wanted, x);
 }
 
 double Layout::realised(std::size_t branch, double x, double alpha) const {
-  const double gain = amplitude ? gain_at(amplitude->alpha, amplitude->wanted[branch], alpha) : 1.0;
+  const double gain = amplitude ? interpolated(amplitude->alpha, amplitude->wanted[branch], alpha) : 1.0;
   return gain * polynomial(branches[branch].realised, x);
 }
 

@@ -156,7 +156,6 @@ struct Input {
 /// Throws DesignError when a term cannot be made with the allowed parts.
 Layout make_layout(const Input& input, const Options& options = {});
 Layout make_layout(const Disturbance& disturbance, const Options& options = {});
-Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options = {});
 
 /// Steps of x over [0, 1] where polynomials are compared.
 constexpr int kPolynomialPoints = 1000;

@@ -111,10 +111,6 @@ Layout make_layout(const Disturbance& disturbance, const Options& options) {
   return make_layout(Input::of(disturbance), options);
 }
 
-Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options) {
-  return make_layout(Input{branches, {}}, options);
-}
-
 Input Input::of(const Disturbance& disturbance) {
   const auto list = [](const std::array<double, 3>& a) { return std::vector<double>(a.begin(), a.end()); };
   return {.branches = {{"ascending", list(disturbance.ascending), disturbance.amplitude.ascending},

@@ -15,9 +15,12 @@ namespace {
 /// it (about the output resistance of its op-amp) keeps that one's phase margin, moves the zero to -1/((R1 +
 /// Rs) C1) and adds a pole at -1/(Rs C1), far above. With a pole at the origin R2 is absent:
 ///   H(s) = -(1 + s R1 C1)/(s R1 C2),   without the zero the integrator -1/(s R1 C2).
+/// `trimmed`: a second capacitor C3 beside C1, for designs of one or two stages: H(inf) = -(C1 + C3)/C2, which E12 values
+/// alone meet only in steps of about 1.7 dB.
 class FirstOrder final : public StageForm {
  public:
-  FirstOrder(const Section& section, const FormOptions& options) : pole_(-section.poles[0].real()) {
+  FirstOrder(const Section& section, const FormOptions& options, bool trimmed)
+      : pole_(-section.poles[0].real()), trimmed_(trimmed) {
     wanted_ = Biquad::from_section(negated(section));
     has_zero_ = !section.zeros.empty();
     zero_ = has_zero_ ? -section.zeros[0].real() : 0.0;
@@ -25,14 +28,15 @@ class FirstOrder final : public StageForm {
     // Both capacitors about equal unless the gain says otherwise: H(inf) = -C1/C2.
     const double ratio = has_zero_ ? section.gain : 1.0;
     if (!has_zero_ || zero_ > 0.0) resistor("R1", "in", "m");
-    isolation_ = has_zero_ ? options.isolation_ohm : 0.0;
+    isolation_ = has_zero_ && !trimmed ? options.isolation_ohm : 0.0;
     if (isolation_ > 0.0) fixed_resistor("Rs", "in", "c");
     if (has_zero_) capacitor("C1", isolation_ > 0.0 ? "c" : "in", "m", {zero_ > 0.0 ? zero_ : pole_}, 1.0);
+    if (trimmed) capacitor("C3", "in", "m", {zero_ > 0.0 ? zero_ : pole_}, 1.0 / 8.0, 6.0);
     if (!integrates_) resistor("R2", "m", "out");
     // Without a zero R1 = R2/|H(0)|: C2 must leave room for the greater of the two.
     const double room = has_zero_ ? 1.0 : std::min(1.0, std::abs(wanted_.b0 / wanted_.a0));
     const double works_at = !integrates_ ? pole_ * room : has_zero_ ? zero_ : section.gain;
-    capacitor("C2", "m", "out", {works_at}, 1.0 / ratio);
+    capacitor("C2", "m", "out", {works_at}, (trimmed ? 1.25 : 1.0) / ratio, trimmed ? 1.5 : 0.0);
     opamp("U1", "0", "m", "out");
   }
 
@@ -40,7 +44,8 @@ class FirstOrder final : public StageForm {
     std::size_t i = 0;
     const double g1 = !has_zero_ || zero_ > 0.0 ? 1.0 / v[i++] : 0.0;
     const double rs = isolation_ > 0.0 ? v[i++] : 0.0;
-    const double c1 = has_zero_ ? v[i++] : 0.0;
+    double c1 = has_zero_ ? v[i++] : 0.0;
+    if (trimmed_) c1 += v[i++];
     if (integrates_) return integrator(g1, rs, c1, v[i]);
     const double r2 = v[i++];
     const double c2 = v[i];
@@ -68,11 +73,11 @@ class FirstOrder final : public StageForm {
       values.push_back(integrates_ ? 1.0 / (std::abs(wanted_.b0) * c2)
                                    : r2 / std::abs(wanted_.b0 / wanted_.a0));
     if (has_zero_ && zero_ > 0.0) {
-      values.push_back(1.0 / (zero_ * c[0]) - isolation_);
+      values.push_back(1.0 / (zero_ * (trimmed_ ? c[0] + c[1] : c[0])) - isolation_);
       if (!(values.back() > 0.0)) return std::nullopt;
     }
     if (isolation_ > 0.0) values.push_back(isolation_);
-    if (has_zero_) values.push_back(c[0]);
+    values.insert(values.end(), c.begin(), c.end() - 1);
     if (!integrates_) values.push_back(r2);
     values.push_back(c2);
     return values;
@@ -81,8 +86,11 @@ class FirstOrder final : public StageForm {
   std::optional<std::vector<double>> exact_near(std::span<const double> realised) const override {
     const double c2 = realised.back();
     if (!has_zero_) return design(std::span(&c2, 1));
-    const double both[2] = {c2 * std::abs(wanted_.b1 / wanted_.a1), c2};
-    return design(both);
+    const double sum = c2 * std::abs(wanted_.b1 / wanted_.a1);
+    if (!trimmed_) return design(std::vector{sum, c2});
+    const double c1 = capacitors(realised).front();
+    if (!(sum > c1)) return std::nullopt;
+    return design(std::vector{c1, sum - c1, c2});
   }
 
  private:
@@ -94,6 +102,7 @@ class FirstOrder final : public StageForm {
   double zero_ = 0.0;
   bool has_zero_ = false;
   bool integrates_ = false;
+  bool trimmed_ = false;
   double isolation_ = 0.0;
 };
 
@@ -112,12 +121,28 @@ class FirstOrderRealisation final : public StageRealisation {
     return std::nullopt;
   }
   std::unique_ptr<StageForm> make(const Section& section, const FormOptions& options) const override {
-    return std::make_unique<FirstOrder>(section, options);
+    return std::make_unique<FirstOrder>(section, options, false);
+  }
+};
+
+class FirstOrderTrimmedRealisation final : public StageRealisation {
+ public:
+  std::string_view name() const override { return "first-order-trimmed"; }
+  bool makes_two_poles() const override { return false; }
+  std::optional<Refusal> refusal(const Section& section) const override {
+    if (section.zeros.empty()) return Refusal{"it makes a zero"};
+    if (integrates(section)) return Refusal{"it makes no pole at 0"};
+    return FirstOrderRealisation().refusal(section);
+  }
+  std::unique_ptr<StageForm> make(const Section& section, const FormOptions& options) const override {
+    return std::make_unique<FirstOrder>(section, options, true);
   }
 };
 
 }  // namespace
 
 BODESMITH_ENTRY(Realisation, first_order, FirstOrderRealisation)
+
+BODESMITH_ENTRY(Realisation, first_order_trimmed, FirstOrderTrimmedRealisation)
 
 }  // namespace bodesmith::synthesis

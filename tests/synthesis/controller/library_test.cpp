@@ -41,8 +41,8 @@ TEST(SpiceRoundTrip, Disturbance) {
   expect_same_bytes(generator::disturbance_library(layout, "amplitudes"));
   std::vector<generator::Polynomial> branches;
   for (int b = 1; b <= 5; ++b) branches.push_back({"b", {0.05 * b, -0.1, 0.02 * b}, {}});
-  expect_same_bytes(
-      generator::disturbance_library(generator::make_layout_of_polynomials(branches), "five branches"));
+  expect_same_bytes(generator::disturbance_library(generator::make_layout(generator::Input{branches, {}}),
+                                                   "five branches"));
 }
 
 TEST(SpiceRoundTrip, Controller) {

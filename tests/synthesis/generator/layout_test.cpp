@@ -12,6 +12,10 @@
 namespace bodesmith::generator {
 namespace {
 
+Layout layout_of(const std::vector<Polynomial>& branches, const Options& options = {}) {
+  return make_layout(Input{branches, {}}, options);
+}
+
 Disturbance seed_disturbance() {
   Disturbance d;
   d.ascending = {0.3546, -0.6433, 0.2887};
@@ -43,9 +47,8 @@ TEST(Layout, MultiplierCountsByDegree) {
     alone.back() = 0.3;
     Options options;
     options.scheme = Scheme::named("shared");
-    EXPECT_EQ(make_layout_of_polynomials({{"up", all, {}}}, options).multipliers.size(),
-              static_cast<size_t>(degree - 1));
-    EXPECT_EQ(make_layout_of_polynomials({{"up", alone, {}}}, options).multipliers.size(),
+    EXPECT_EQ(layout_of({{"up", all, {}}}, options).multipliers.size(), static_cast<size_t>(degree - 1));
+    EXPECT_EQ(layout_of({{"up", alone, {}}}, options).multipliers.size(),
               static_cast<size_t>(top_alone[degree]))
         << degree;
   }
@@ -61,13 +64,13 @@ TEST(Layout, ExactPartsMakeThePolynomialExactly) {
                                         {-0.1, -0.2, -0.3},
                                         {0, 0, 0.4},
                                         {0.3, -0.2, 0.1, 0.2, -0.15, 0.05, 0.02}}) {
-    const Layout layout = make_layout_of_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1}, {}}}, options);
+    const Layout layout = layout_of({{"up", a, {}}, {"down", {-0.2, 0.1}, {}}}, options);
     for (int i = 0; i <= 10; ++i) EXPECT_NEAR(layout.realised(0, i / 10.0), horner(a, i / 10.0), 1e-12);
   }
 }
 
 TEST(Layout, ABranchThatIsZeroGivesZero) {
-  const Layout layout = make_layout_of_polynomials({{"up", {0.0, 0.0, 0.0}, {}}, {"down", {-0.2, 0.1}, {}}});
+  const Layout layout = layout_of({{"up", {0.0, 0.0, 0.0}, {}}, {"down", {-0.2, 0.1}, {}}});
   EXPECT_EQ(layout.realised(0, 0.7), 0.0);
 }
 
@@ -83,8 +86,7 @@ TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
   for (int group = 1; group <= 7; ++group) {
     options.scheme = {group};
     for (const std::vector<double>& a : all) {
-      const Layout layout =
-          make_layout_of_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1, 0.1}, {}}}, options);
+      const Layout layout = layout_of({{"up", a, {}}, {"down", {-0.2, 0.1, 0.1}, {}}}, options);
       for (const NodeRange& node : layout.nodes) {
         if (node.name == "out") continue;
         EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9)
@@ -108,8 +110,7 @@ TEST(Layout, CountsOfTheSchemes) {
   for (int degree = 1; degree <= 7; ++degree) {
     const std::vector<double> a(static_cast<size_t>(degree), 0.1);
     for (size_t branches : {1u, 2u}) {
-      const Layout layout =
-          make_layout_of_polynomials(std::vector<Polynomial>(branches, Polynomial{"b", a, {}}));
+      const Layout layout = layout_of(std::vector<Polynomial>(branches, Polynomial{"b", a, {}}));
       ASSERT_EQ(layout.candidates.size(), static_cast<size_t>(degree));
       for (const Candidate& one : layout.candidates) {
         const int groups = (degree + one.group - 1) / one.group;
@@ -126,7 +127,7 @@ TEST(Layout, CountsOfTheSchemes) {
 
 TEST(Layout, BranchesAreChosenInPairs) {
   const Polynomial one{"b", {0.1, -0.1}, {}};
-  const Layout five = make_layout_of_polynomials(std::vector<Polynomial>(5, one));
+  const Layout five = layout_of(std::vector<Polynomial>(5, one));
   EXPECT_EQ(five.select_lines(), 2);
   EXPECT_EQ(five.branch_at(0, true), 0);
   EXPECT_EQ(five.branch_at(1, false), 3);
@@ -134,7 +135,7 @@ TEST(Layout, BranchesAreChosenInPairs) {
   EXPECT_EQ(five.branch_at(2, false), 4);
   EXPECT_EQ(five.branch_at(3, true), -1);
   EXPECT_EQ(five.multipliers.size(), 1u);
-  EXPECT_EQ(make_layout_of_polynomials({one, one}).select_lines(), 0);
+  EXPECT_EQ(layout_of({one, one}).select_lines(), 0);
 }
 
 TEST(Layout, AmplitudeGainsFollowTheirTable) {
@@ -261,13 +262,13 @@ TEST(Timing, GlitchAndDetectorByHand) {
 }
 
 TEST(Layout, RefusesWhatItCannotMake) {
-  EXPECT_THROW(make_layout_of_polynomials({}), DesignError);
-  EXPECT_THROW(make_layout_of_polynomials({{"a", std::vector<double>(8, 0.1), {}}}), DesignError);
-  EXPECT_THROW(make_layout_of_polynomials({{"a", {NAN}, {}}}), DesignError);
+  EXPECT_THROW(layout_of({}), DesignError);
+  EXPECT_THROW(layout_of({{"a", std::vector<double>(8, 0.1), {}}}), DesignError);
+  EXPECT_THROW(layout_of({{"a", {NAN}, {}}}), DesignError);
   // A term that no resistor makes, and that does nothing, is left out (it was refused).
-  EXPECT_LT(make_layout_of_polynomials({{"a", {0.5, 1e-9}, {}}}).max_error_percent, 0.05);
+  EXPECT_LT(layout_of({{"a", {0.5, 1e-9}, {}}}).max_error_percent, 0.05);
   // 1 V stands for d = 1: no op-amp reaches 300 V.
-  EXPECT_THROW(make_layout_of_polynomials({{"a", {300.0}, {}}}), DesignError);
+  EXPECT_THROW(layout_of({{"a", {300.0}, {}}}), DesignError);
   EXPECT_THROW(Scheme::named("9"), InputError);
   // With U = 0.5 V x^3 would be 4 V, beyond the multiplier's 2.5 V; Horner's products stay within.
   Options small;

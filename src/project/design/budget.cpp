@@ -102,7 +102,7 @@ Budget make_budget(const Project& project, const Design& design, const Budget* o
   };
   Budget budget = other != nullptr ? *other : Budget();
   budget.rows.resize(std::min<std::size_t>(budget.rows.size(), 1));
-  budget.band = design_band(project, design);
+  budget.band = design.band(project);
   const std::vector<DesignStage> stages = design_stages(project, design);
   for (std::size_t i = budget.rows.size(); i < stages.size(); ++i) {
     stop_if_interrupted();
@@ -128,7 +128,7 @@ Budget make_budget(const Project& project, const Design& design, const Budget* o
 }
 
 std::vector<Hertz> stages_grid(const Project& project, const Design& design) {
-  const Band band = design_band(project, design);
+  const Band band = design.band(project);
   const double beyond = project.plant ? 10.0 : 2.0;
   return log_grid({Hertz{band.from.value / beyond}, Hertz{band.to.value * beyond}}, 241);
 }
@@ -155,7 +155,7 @@ std::vector<report::Plot> stages_plots(const Project& project, const Design& des
   return {
       plot.magnitude, plot.phase,
       difference_plot(plot.magnitude, known ? "Error against the target" : "Difference from the " + of.name,
-                      design_band(project, design), reference_db, known ? "" : of.name)};
+                      design.band(project), reference_db, known ? "" : of.name)};
 }
 
 std::vector<AlternativeStudy> study_alternatives(const Project& project, const Design& design,

@@ -39,16 +39,11 @@ void build_best_alternative(const Project& project, AlternativeHardware& hardwar
 
 }  // namespace
 
-Band design_band(const Project& project, const Design& design) {
-  return design_band(project, design.fit, design.sections());
-}
-
 void choose_alternative(const Project& project, AlternativeHardware& hardware, Design& design) {
   const Stopwatch watch;
   if (project.plant) {
     build_best_alternative(project, hardware, design);
-    design.paper_plan =
-        make_paper_plan(project, design.approximation->sections, design_band(project, design));
+    design.paper_plan = make_paper_plan(project, design.approximation->sections, design.band(project));
     design.layout = generator::make_layout(project.target.disturbance);
   } else {
     // The board's search first: add_tolerances() makes the circuit meanwhile.

@@ -47,6 +47,7 @@ struct Design {
   const synthesis::Realised& realised() const { return circuit->best.made; }
   const Alternative& built() const { return alternatives[chosen]; }
   const Sections& sections() const { return built().sections; }
+  Band band(const Project& project) const { return design_band(project, fit, sections()); }
 };
 
 /// Of a stage the first alternative, in the project's order, that board and parts can make, and the layout: a DesignError (with
@@ -57,9 +58,6 @@ void choose_alternative(const Project& project, AlternativeHardware& hardware, D
 void add_tolerances(const Project& project, AlternativeHardware& hardware, Design& design);
 /// The controller with the forms that were passed over.
 void add_controller(const AnalogControllerMade& made, Design& design);
-/// Without a plant the target's own.
-Band design_band(const Project& project, const Design& design);
-
 /// "cascade" (where there is one), "sections", "fpaa", "fpaa with holds", "circuit", "circuit with op-amps"; without a plant the
 /// hardware as it is alone. They refer to `design`.
 std::vector<DesignStage> design_stages(const Project& project, const Design& design);

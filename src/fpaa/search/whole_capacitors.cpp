@@ -85,11 +85,14 @@ class InnerHeadroom {
 /// Whole capacitors of a second-order stage whose resonance is nearest to the exact one: the `count` best. Rounding
 /// each capacitor by itself leaves some 1/C of each; a sharp resonance needs more, and there are many sets:
 ///   low Q:   C4/CB and C2 C3/(CA CB);   high Q:   C4/C2 and C2 C3/(CA CB)
+/// The mismatch of the four that place it counts beside that (in part: the judge counts it whole): CA and CB as large as their banks.
 /// Complex zeros likewise: C1 C3/(Cpp CA), at whatever gain these come out best (other stages take it back).
-std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_capacitor,
-                                                    std::size_t count) {
+std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_capacitor, std::size_t count,
+                                                    const MismatchModel& mismatch) {
   constexpr double kRatioOff = 0.015;
   constexpr double kLeastGain = 0.7;
+  constexpr double kSpreadShare =
+      0.3;  // of 0, .3, .5 and 1 that with which most kinds of filter keep what is wanted
   const bool high = exact.kind == Stage::Kind::second_high;
   const auto& e = exact.c;
   const double product = e[Stage::kC2] * e[Stage::kC3] / (e[Stage::kCA] * e[Stage::kCB]);
@@ -98,7 +101,9 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
   const auto add = [&](double c2, double c3, double c4, double ca, double cb) {
     double off = std::abs(c2 * c3 / (ca * cb) / product - 1.0) +
                  std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) / (high ? 4.0 : 1.0);
-    off = snapped(off);
+    double variance = 0.0;
+    for (const double units : {c2, c3, ca, cb}) variance += std::pow(mismatch.relative_sigma(units), 2);
+    off = snapped(error_of_95_percent(off, kSpreadShare * std::sqrt(variance)));
     if (found.size() == count && off >= found.back().first) return;
     std::vector<double> c = e;
     c[Stage::kC2] = c2;
@@ -138,20 +143,20 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
     found.insert(at, {off, std::move(c)});
     if (found.size() > count) found.pop_back();
   };
-  const int c2_most = std::max(3, max_capacitor / 4);
-  for (int c2 = 1; c2 <= c2_most; ++c2) {
+  const auto bank = static_cast<int>(exact.largest_units(Stage::kCA, max_capacitor));
+  for (int c2 = 1; c2 <= max_capacitor; c2 += c2 < 40 ? 1 : 3) {
     const double c4_high = std::round(ratio * c2);
     if (high &&
         (c4_high < 1.0 || c4_high > max_capacitor || std::abs(c4_high / c2 / ratio - 1.0) > kRatioOff)) {
       continue;
     }
     // What CA and CB of at least a quarter and half of the largest leave for C3.
-    const double most = std::min<double>(max_capacitor, product * max_capacitor * max_capacitor / c2);
-    const auto least = whole_number<int>(product * max_capacitor * max_capacitor / (8.0 * c2), 1);
+    const double most = std::min<double>(max_capacitor, product * bank * bank / c2);
+    const auto least = whole_number<int>(product * bank * bank / (8.0 * c2), 1);
     for (int c3 = least; c3 <= most; c3 += c3 < 40 ? 1 : 7) {
-      for (int cb = max_capacitor / 2; cb <= max_capacitor; cb += high ? 1 : 3) {
+      for (int cb = bank / 2; cb <= bank; cb += (high ? 1 : 3) * bank / max_capacitor) {
         const double ca = std::round(c2 * c3 / (product * cb));
-        if (ca < max_capacitor / 4.0 || ca > max_capacitor) continue;
+        if (ca < bank / 4.0 || ca > bank) continue;
         const double c4 = high ? c4_high : std::round(ratio * cb);
         if (c4 < 1.0 || c4 > max_capacitor || std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) > kRatioOff)
           continue;
@@ -274,9 +279,9 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
     }
   }
   if (second_order) {
-    constexpr std::size_t kResonances = 60;
+    constexpr std::size_t kResonances = 120;
     stage.c = exact;
-    for (std::vector<double>& c : nearest_resonances(stage, max, kResonances)) {
+    for (std::vector<double>& c : nearest_resonances(stage, max, kResonances, width.mismatch)) {
       stage.c = std::move(c);
       if (stage.is_stable()) judge();
     }

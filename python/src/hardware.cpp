@@ -81,7 +81,7 @@ Answer plan_board(const Call& call) {
     fpaa::NetlistParts parts;
     parts.unit_capacitance_f = options.assumptions.noise.unit_capacitance_f;
     parts.opamp = opamp;
-    out.files["board.sub"] = value_or_throw(fpaa::board_netlist(plan, parts, "FPAA plan"));
+    out.files["board.sub"] = fpaa::board_netlist(plan, parts, "FPAA plan");
     out.files["board.cir"] = fpaa::board_deck(plan, "FPAA plan");
   }
   return out;

@@ -135,7 +135,7 @@ void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, con
   if (!plan.trade_off.empty()) out.add("trade_off.svg", report::to_svg(project::trade_off_plot(plan)));
   if (const auto script = fpaa::zrna_script(plan)) out.add("zrna.py", *script);
   if (netlist) {
-    out.add("board.sub", value_or_throw(fpaa::board_netlist(plan, *netlist, "FPAA plan")));
+    out.add("board.sub", fpaa::board_netlist(plan, *netlist, "FPAA plan"));
     out.add("board.cir", fpaa::board_deck(plan, "FPAA plan"));
   }
   out.commit();

@@ -1,4 +1,5 @@
 #include "fpaa/controller/run.hpp"
+#include "numeric/quadratic_roots.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,16 +13,11 @@ constexpr double kTimeConstants = 8.0;
 constexpr double kSettlingCycles = 500.0;
 
 /// The slowest time constant of a transfer of first or second order, in cycles; 0 without poles.
-double slowest_cycles(const std::vector<double>& denominator) {
+double slowest_cycles(std::vector<double> denominator) {
+  denominator.resize(3, 0.0);
   double largest = 0.0;
-  if (denominator.size() == 2) {
-    largest = std::abs(denominator[1] / denominator[0]);
-  } else if (denominator.size() > 2) {
-    const double b = denominator[1] / denominator[0];
-    const double c = denominator[2] / denominator[0];
-    const double root = b * b - 4.0 * c;
-    largest = root < 0.0 ? std::sqrt(c) : 0.5 * (std::abs(b) + std::sqrt(root));
-  }
+  for (const auto& pole : quadratic_roots(denominator[2], denominator[1], denominator[0]))
+    largest = std::max(largest, std::abs(pole));
   return largest > 0.0 && largest < 1.0 ? -1.0 / std::log(largest) : 0.0;
 }
 

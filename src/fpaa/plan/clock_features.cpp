@@ -1,4 +1,5 @@
 #include "fpaa/plan/clock_features.hpp"
+#include "numeric/quadratic_roots.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +11,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kNarrow = 1.0 / 6.0;  ///< of the clock
-
-/// Zeros in D of c0 + c1 D + c2 D^2.
-std::vector<Complex> roots_in_d(double c0, double c1, double c2) {
-  if (c2 == 0.0) return c1 == 0.0 ? std::vector<Complex>{} : std::vector<Complex>{-c0 / c1};
-  const Complex root = std::sqrt(Complex(c1 * c1 - 4.0 * c2 * c0));
-  const Complex q = -0.5 * (c1 + (c1 < 0.0 ? -root : root));
-  if (q == 0.0) return {0.0, 0.0};
-  return {q / c2, c0 / q};
-}
 
 void add_poles(std::vector<ClockedPole>& out, Hertz clock, const std::vector<Complex>& in_d) {
   for (const Complex& d : in_d) {
@@ -36,7 +28,7 @@ std::vector<ClockedPole> clocked_poles(const Plan& plan) {
     std::vector<double> below = in_one_minus(cam->z.denominator);
     if (below.size() > 3) continue;
     below.resize(3, 0.0);
-    add_poles(out, cam->clock_a, roots_in_d(below[0], below[1], below[2]));
+    add_poles(out, cam->clock_a, quadratic_roots(below[0], below[1], below[2]));
   }
   return out;
 }

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/whole_number.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -132,6 +133,16 @@ class GraphBuilder {
 
 double ticks_per_second(const Board& board) {
   return 2.0 * board.master_clock.value;
+}
+
+StageSwitches switches_of(const PlanGraph::PlanNode& node) {
+  auto stage = node.cam->cam->switches(*node.cam);
+  if (!stage) {
+    throw DesignError(
+        fmt::format("the switches of {} ({}) are not known, expected only CAMs made of switched capacitors",
+                    node.name, node.cam->cam_name()));
+  }
+  return *std::move(stage);
 }
 
 Outcome<PlanGraph> plan_graph(const Plan& plan) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "fpaa/cams/switches.hpp"
 #include "fpaa/plan/plan.hpp"
 
 namespace bodesmith::fpaa {
@@ -38,6 +39,9 @@ struct PlanGraph {
   std::optional<Source> output;    ///< of the output pin that is wired to nothing; absent: none is
   double tick_rate = 32e6;         ///< ticks a second
 };
+
+/// The switches of a node's CAM as the plan has it. Throws DesignError where they are not known.
+StageSwitches switches_of(const PlanGraph::PlanNode& node);
 
 /// Refused: a wire from or to what is not there, two wires to one input, an input the CAM does not have, a
 /// loop without any delay.

@@ -20,14 +20,7 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
       units_.push_back(c.units);
       names_.push_back(node.name + "." + c.name);
     }
-    const auto stage = node.cam->cam->switches(*node.cam);
-    if (!stage) {
-      throw DesignError(
-          fmt::format("the switches of {} ({}) are not known, expected only CAMs made of switched "
-                      "capacitors",
-                      node.name, node.cam->cam_name()));
-    }
-    inputs.push_back(static_cast<std::size_t>(stage->inputs()));
+    inputs.push_back(static_cast<std::size_t>(switches_of(node).inputs()));
   }
   network_of_.assign(graph_.nodes.size(), 0);
   for (const std::size_t n : graph_.order) {

@@ -92,10 +92,8 @@ std::string source_name(const PlanGraph& graph, const PlanGraph::Source& source)
 
 }  // namespace
 
-Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title) {
-  const Outcome<PlanGraph> wired = plan_graph(plan);
-  if (const Refusal* refusal = refusal_of(wired)) return *refusal;
-  const PlanGraph& graph = std::get<PlanGraph>(wired);
+std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title) {
+  const PlanGraph graph = value_or_throw(plan_graph(plan));
   std::map<std::int64_t, std::size_t> clocks;
   for (const auto& node : graph.nodes) clocks.emplace(node.period, clocks.size() + 1);
   Json data{{"title", title},
@@ -114,12 +112,6 @@ Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, 
   }
   for (const auto& node : graph.nodes) {
     const PlacedCam& cam = *node.cam;
-    const auto stage = cam.cam->switches(cam);
-    if (!stage) {
-      return Refusal{
-          fmt::format("the switches of {} ({}) are not known, expected only CAMs made of switched capacitors",
-                      node.name, cam.cam_name())};
-    }
     std::string pins;
     std::string nodes;
     for (std::size_t i = 1; i <= cam.input_count(); ++i) {
@@ -136,9 +128,9 @@ Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, 
                             {"subcircuit", name},
                             {"pins", pins + "out p1 p2"},
                             {"nodes", nodes + fmt::format("o_{0} c{1}p1 c{1}p2", name, clock)},
-                            {"elements", stage_lines(*stage, parts)}});
+                            {"elements", stage_lines(switches_of(node), parts)}});
   }
-  if (!graph.output) return Refusal{"no wire leads to an output pin, expected one"};
+  if (!graph.output) throw DesignError("no wire leads to an output pin, expected one");
   data["links"] = {fmt::format("Eout out 0 {} 0 1", source_name(graph, *graph.output))};
   return render_template("fpaa/board.sub", data);
 }

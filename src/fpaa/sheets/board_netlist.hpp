@@ -28,8 +28,8 @@ struct NetlistParts {
 /// of its switches (fpaa/switches.hpp); a switch is a conductance G VALUE={V(a,b)*V(phase)/r} with the
 /// phase's node going from 0 to 1 V, which ngspice, LTspice and Xyce read alike; each clock has two phases
 /// that do not overlap, all clocks start at t = 0 with phase 1. Op-amps have one pole (OpAmpModel) and
-/// an ideal output. Refused for a plan with a CAM whose switches are not known.
-Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title);
+/// an ideal output. Throws DesignError for a plan with a CAM whose switches are not known.
+std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title);
 
 /// board.cir: a sine in the middle of the plan's band through it, for ngspice; nearer to the band's upper end where
 /// the fastest clock would turn too often.

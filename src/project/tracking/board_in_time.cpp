@@ -50,7 +50,7 @@ class BoardTracker {
         form_(form),
         graph_(value_or_throw(fpaa::plan_graph(*design.plan))),
         board_(fpaa::board_by_name(design.plan->board)),
-        netlist_(value_or_throw(fpaa::board_netlist(*design.plan, {}, "board"))),
+        netlist_(fpaa::board_netlist(*design.plan, {}, "board")),
         generator_(tracking_plant(project).generated().at(project.track.amplitude())) {
     double decay = INFINITY;
     for (const Section& section : design.sections().sections) {

@@ -91,18 +91,22 @@ Candidate measure(const Layout& layout, int group, int degree) {
 
 Layout make_layout(const Input& input, const Options& options) {
   check(input, options);
-  std::vector<Candidate> candidates = compare_schemes({input.branches, {}}, options);
+  const Input full_strokes{input.branches, {}};
+  const std::vector<Candidate> candidates = compare_schemes(full_strokes, options);
   const auto chosen =
       std::find_if(candidates.begin(), candidates.end(), [](const Candidate& one) { return one.chosen; });
-  // Asked for, but it cannot be made: building it says why.
-  const int group = chosen == candidates.end() ? options.scheme.group : chosen->group;
-  Layout out = build(input, options, group);
-  out.candidates = std::move(candidates);
-  warn_when_slow(out, options.highest);
-  add_nodes(out);
+  const auto made = [&](const Input& which) {
+    // Asked for, but it cannot be made: building it says why.
+    Layout out = build(which, options, chosen == candidates.end() ? options.scheme.group : chosen->group);
+    out.candidates = candidates;
+    warn_when_slow(out, options.highest);
+    add_nodes(out);
+    return out;
+  };
+  Layout out = made(input);
   if (out.amplitude) {
     find_amplitude_error(out);
-    out.of_full_strokes = std::make_shared<const Layout>(make_layout(Input{input.branches, {}}, options));
+    out.of_full_strokes = std::make_shared<const Layout>(made(full_strokes));
   }
   return out;
 }

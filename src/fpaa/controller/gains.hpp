@@ -8,8 +8,8 @@
 #include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
 #include "fpaa/controller/controller.hpp"
-#include "fpaa/streams/plan_stream.hpp"
 #include "fpaa/gains/gain_schedule.hpp"
+#include "fpaa/streams/plan_stream.hpp"
 
 namespace bodesmith::fpaa {
 

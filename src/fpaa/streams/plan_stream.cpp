@@ -436,7 +436,8 @@ PlanStreams written(const Plan& plan, const PinCells& wanted) {
   PlanStreams out;
   std::vector<ChipWriter> writers;
   for (const ChipPlan& chip : plan.chips) writers.emplace_back(plan, chip, out.warnings);
-  for (const auto& [pin, cell] : wanted) {
+  for (const auto& one : wanted) {
+    const std::string& pin = one.first;
     if (std::none_of(writers.begin(), writers.end(), [&](const ChipWriter& w) { return w.has_pin(pin); }))
       refuse("an I/O cell is asked for {}, which is no pin of the plan", pin);
   }

@@ -8,6 +8,7 @@
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/netlist.hpp"
+#include "fpaa/streams/plan_stream.hpp"
 
 namespace bodesmith::fpaa::an231 {
 

@@ -92,6 +92,19 @@ double Reference::slope(double theta, std::size_t piece) const {
   return 0.0;
 }
 
+double Reference::least_swing() const {
+  constexpr int kLooks = 32;
+  double least = INFINITY;
+  for (std::size_t i = 0; i < turns_.size(); ++i) {
+    const double from = turns_[i], to = i + 1 < turns_.size() ? turns_[i + 1] : 1.0;
+    double fastest = 0.0;
+    for (int k = 0; k < kLooks; ++k)
+      fastest = std::max(fastest, std::abs(slope(from + (to - from) * (k + 0.5) / kLooks, i)));
+    least = std::min(least, fastest);
+  }
+  return 0.5 * least / static_cast<double>(periods());
+}
+
 std::vector<double> Reference::samples(std::size_t count) const {
   std::vector<double> out;
   for (std::size_t i = 0; i < count; ++i)

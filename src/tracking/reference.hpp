@@ -34,6 +34,9 @@ class Reference {
   double value(double theta) const;
   /// d/dtheta; at a corner the slope of `piece`.
   double slope(double theta, std::size_t piece) const;
+  /// The slowest of its ways from one turning point to the next, where it is fastest: the stroke of a triangle of the operating
+  /// frequency with that slope.
+  double least_swing() const;
   /// One repeat, evenly.
   std::vector<double> samples(std::size_t count) const;
 

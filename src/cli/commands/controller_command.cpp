@@ -46,7 +46,7 @@ void declare_controller(CommandLine& line) {
   line.option<std::string>("opamp", "type of the op-amps", defaults.opamp.name);
   line.option<std::string>("fast-opamp", "type of the slope detector's op-amps", defaults.fast_opamp.name);
   line.option<double>("multiplier-scale-v", "U in W = X Y/U + Z", defaults.multiplier.scale_v);
-  line.option<double>("lowest-hz", "slowest full-stroke triangle that the slope detector must follow",
+  line.option<double>("lowest-hz", "slowest --waveform of which the slope detector must follow every turn",
                       defaults.lowest.value);
   add_check_option(line, "run ngspice on controller.sub at every tracked frequency, and the loop's margins");
   line.flag("errors",
@@ -164,8 +164,9 @@ int run_controller(const std::vector<std::string>& arguments) {
   Provenance from;
   Disturbance disturbance = Disturbance::read(line.files()[0], from);
   if (const auto left = line.maybe_positive("load-stroke")) disturbance = disturbance.at_load(*left);
-  const controller::Options options = read_controller_options(line);
+  controller::Options options = read_controller_options(line);
   const tracking::Reference reference = read_controller_reference(line);
+  options.least_swing = std::min(options.reference_stroke, reference.least_swing());
   if (options.full_stroke && reference.alpha() != 1.0)
     line.fail(fmt::format("--full-stroke and --amplitude {} contradict each other",
                           rounded_text(reference.alpha())));

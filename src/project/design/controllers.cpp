@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "project/tracking/tracked_plant.hpp"
+#include "tracking/reference.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -15,7 +16,12 @@ controller::Options controller_options(const Project& project) {
   options.resistors = synthesis::Series::named(project.circuit->resistors);
   options.capacitors = synthesis::Series::named(project.circuit->capacitors);
   options.tracked = project.track.frequency;
-  options.reference_stroke = project.track.amplitude();
+  options.reference_stroke = options.least_swing = project.track.amplitude();
+  for (const auto shape : project.track.waveforms) {
+    for (const double amplitude : project.track.amplitudes)
+      options.least_swing =
+          std::min(options.least_swing, tracking::Reference(shape, amplitude).least_swing());
+  }
   options.lowest = *std::min_element(project.track.frequency.begin(), project.track.frequency.end());
   return options;
 }

@@ -47,8 +47,11 @@ struct Options {
   double rate_tolerance_percent = 0.03;  ///< of the curve against the table, percent of range
   double averaging_s = 0.0;  ///< time constant behind the rectifier; 0: a hundredth of the shortest period
   double reference_stroke = 1.0;  ///< peak to peak of the references whose slope means frequency, V
-  Hertz lowest{1.0};              ///< the slowest full-stroke triangle whose slope must set the switch
-  bool full_stroke = false;       ///< only full strokes matter: a disturbance's amplitude gains are left out
+  /// Of the references' ways between two turns the slowest, V (tracking::Reference::least_swing()): whose slope, at `lowest`, must
+  /// set the switch. 0: reference_stroke.
+  double least_swing = 0.0;
+  Hertz lowest{1.0};         ///< of the slowest reference
+  bool full_stroke = false;  ///< only full strokes matter: a disturbance's amplitude gains are left out
 
   Options();
 };

@@ -91,6 +91,21 @@ TEST(Controller, CvodeAndNgspiceAgreeWhereTheDetectorIsSlowOrMissesTurns) {
   }
 }
 
+// Its threshold is a fifth of the slope of a full stroke at the lowest frequency, that of the smallest way of this reference.
+TEST(Controller, TheDetectorIsLaidOutForTheSlowestWayOfItsReferences) {
+  const tracking::Reference reference(tracking::Reference::Shape::decaying_triangle);
+  Options options;
+  options.tracked = {Hertz{1.0}};
+  options.least_swing = reference.least_swing();
+  const auto error = [&] {
+    return predict_as_built(make_controller(first_seed(), options), reference)[0]
+        .error.rms_percent_without_lag;
+  };
+  EXPECT_LT(error(), 0.05);
+  options.least_swing = 1.0;
+  EXPECT_GT(error(), 1.0);
+}
+
 TEST(AtRest, DeviationsActAsTheirFormulaSays) {
   Disturbance plain;  // without rate gains: v = r - d(v) from two sums
   plain.ascending = {0.3, -0.3, 0.0};

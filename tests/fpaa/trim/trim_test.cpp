@@ -108,7 +108,14 @@ BlindTrim blind_trim(const Plan& plan, const std::vector<Complex>& wanted, const
     if (round == rounds) break;
     const MeasuredBoard measured = measured_on(now, sizes, log_grid(plan.error.band, setting.points),
                                                setting.noise, setting.with_phase, random);
-    now = trim_board(now, wanted, grid, measured, options).plan;
+    const Trim made = trim_board(now, wanted, grid, measured, options);
+    now = made.plan;
+    if (!made.improved) continue;
+    // What the plan says of itself is of the new capacitors.
+    const DrawnBoard nominal(now, grid);
+    EXPECT_NEAR(now.error_with_delays.max_complex_percent,
+                worst_percent_of(nominal.response(nominal.nominal_units()), wanted), 1e-6);
+    EXPECT_FALSE(now.total);
   }
   return out;
 }

@@ -223,7 +223,7 @@ def controller(arguments, changed):
         made = 0.86 * (u + (z1 - p1) * b + (z0 - p0) * a)
         return (corner * (v - x), b, u - p1 * b - p0 * a, dq, wn * wn * (made - q) - 2.0 * zeta * wn * dq)
 
-    period, periods, samples, inner = 1.0 / f, 3, 300, 64
+    period, periods, samples, inner = 1.0 / f, 3, 300, 128
     if f < 50.0:
         inner = int(inner * 50.0 / f)
     dt = period / samples / inner

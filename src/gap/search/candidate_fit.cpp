@@ -21,7 +21,11 @@ struct Hops {
   double length;
   int count;
 };
-constexpr std::array kHops = {Hops{1.0, 20}, Hops{0.04, 6}};
+constexpr std::array kHops = {Hops{1.0, 20}, Hops{0.2, 5}, Hops{0.04, 6}};
+/// Of the hollows that they find so many are fitted on from, those that leave no more than this times what the fit left: the other
+/// unknowns, which stand as that fit needed them, take as much away. (A late switch leaves all but the same at two delays.)
+constexpr std::size_t kHollows = 2;
+constexpr double kNearlyAsGood = 1.5;
 
 /// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
@@ -95,22 +99,26 @@ void fit_to_the_end(const SearchSetting& setting, const SearchRecords& records, 
   });
 }
 
-/// The best of the values around the one that unknown `at` has, the others as they are.
-bool hop_around(Runner& runner, std::vector<double>& values, std::size_t at, const Unknown& u, Hops hops,
-                double& least) {
-  std::vector<double> residual;
+/// Values around the one that unknown `at` has, the others as they are, at which less is left than at their neighbours: those that leave
+/// least first.
+std::vector<double> hollows_around(Runner& runner, std::vector<double> values, std::size_t at,
+                                   const Unknown& u, Hops hops, double most) {
   const double middle = values[at];
-  double best = middle;
+  std::vector<double> place, left, residual;
   for (int k = -hops.count; k <= hops.count; ++k) {
-    values[at] = std::clamp(middle + hops.length * u.hop * k, u.low, u.high);
-    if (!runner(values, residual)) continue;
-    const double left = rms(residual);
-    if (!(left < least)) continue;
-    least = left;
-    best = values[at];
+    place.push_back(std::clamp(middle + hops.length * u.hop * k, u.low, u.high));
+    values[at] = place.back();
+    left.push_back(runner(values, residual) ? rms(residual) : std::numeric_limits<double>::infinity());
   }
-  values[at] = best;
-  return best != middle;
+  std::vector<std::pair<double, double>> hollows;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const bool lowest = (i == 0 || left[i] <= left[i - 1]) && (i + 1 == left.size() || left[i] < left[i + 1]);
+    if (lowest && left[i] < most && place[i] != middle) hollows.emplace_back(left[i], place[i]);
+  }
+  std::sort(hollows.begin(), hollows.end());
+  std::vector<double> out;
+  for (const auto& [rms_there, value] : hollows) out.push_back(value);
+  return out;
 }
 
 /// Values that a fit cannot slide along, tried coarsely and finely around where it ended, then fitted on.
@@ -120,16 +128,18 @@ void comb(const SearchSetting& setting, const SearchRecords& records, Racer& rac
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (unknowns[at].hop <= 0.0 || setting.options.is_late()) continue;
     for (const auto& hops : kHops) {
-      auto values = current_values(racer.now.model);
       Runner runner(racer.now.model, records.look());
-      std::vector<double> residual;
-      if (!runner(values, residual)) return;
-      double least = rms(residual);
-      if (!hop_around(runner, values, at, unknowns[at], hops, least)) continue;
-      Model moved = racer.now.model;
-      moved.set_values(values);
-      auto fitted = fit(std::move(moved), records.look(), options);
-      if (fitted.usable() && fitted.rms < racer.now.rms) racer.now = std::move(fitted);
+      const auto values = current_values(racer.now.model);
+      auto hollows = hollows_around(runner, values, at, unknowns[at], hops, kNearlyAsGood * racer.now.rms);
+      hollows.resize(std::min(hollows.size(), kHollows));
+      for (const double hollow : hollows) {
+        auto moved = values;
+        moved[at] = hollow;
+        Model model = racer.now.model;
+        model.set_values(moved);
+        auto fitted = fit(std::move(model), records.look(), options);
+        if (fitted.usable() && fitted.rms < racer.now.rms) racer.now = std::move(fitted);
+      }
     }
   }
 }

@@ -33,7 +33,10 @@ void waveform(benchmark::State& state) {
   options.order = static_cast<int>(state.range(0));
   options.worst = state.range(1) != 0;
   double percent = 0.0;
-  for (auto _ : state) percent = fit_waveform(d, options).value_percent(options.worst);
+  for (auto _ : state) {
+    const WaveformError error = fit_waveform(d, options).error;
+    percent = options.worst ? error.worst_percent : error.rms_percent;
+  }
   state.counters["percent"] = percent;
 }
 BENCHMARK(waveform)->ArgsProduct({{1, 2, 4}, {0, 1}})->Unit(benchmark::kMillisecond);

@@ -45,6 +45,14 @@ TEST(TimeRecord, TheInputsBandIsThatOfItsChanges) {
   EXPECT_NEAR(band(0.0).to_hz, 40.0, 1.0);
   EXPECT_EQ(band(30.0).from_hz, band(0.0).from_hz);
   EXPECT_EQ(band(30.0).to_hz, band(0.0).to_hz);
+  // Of two records: from the lower to the higher, whichever comes first.
+  TimeRecord slow = record;
+  for (std::size_t i = 0; i < slow.u.size(); ++i)
+    slow.u[i] = std::sin(2.0 * std::numbers::pi * 2.0e-3 * static_cast<double>(i));
+  for (const auto& both : {std::vector{record, slow}, std::vector{slow, record}}) {
+    EXPECT_NEAR(input_extent(both).from_hz, 2.0, 0.6);
+    EXPECT_NEAR(input_extent(both).to_hz, 40.0, 1.0);
+  }
 }
 
 }  // namespace

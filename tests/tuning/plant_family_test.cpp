@@ -66,6 +66,20 @@ TEST(PlantFamily, EachParameterMovesByWhatIsStatedOfIt) {
   EXPECT_NEAR(family.band->to.value, 40.0, 1e-9);
 }
 
+TEST(PlantFamily, AGainToleranceAloneIsTwoPlantsMore) {
+  const TemporaryFolder folder;
+  const std::string text = ByHand().sections();
+  write_file(folder / "a.json", text.substr(0, text.find(",\n        \"fit\"")) + "}");
+  Provenance from;
+  const PlantFamily family = read_plants({(folder / "a.json").string()}, {.gain_percent = 25.0}, from);
+  ASSERT_EQ(family.members.size(), 3u);
+  for (const auto& [at, gain] : {std::pair{1u, 1.25}, {2u, 0.8}}) {
+    const auto ratio =
+        family.members[at].response(Hertz{19.0}.rad_s()) / family.members[0].response(Hertz{19.0}.rad_s());
+    EXPECT_LT(std::abs(ratio - gain), 1e-12);
+  }
+}
+
 TEST(PlantFamily, CornersOfGainAndFrequencyAndOtherFiles) {
   const TemporaryFolder folder;
   ByHand plant;

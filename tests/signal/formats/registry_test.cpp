@@ -183,6 +183,23 @@ INSTANTIATE_TEST_SUITE_P(Formats, ForeignRecord,
                                          RecordSample{"keysight_scope.csv:1,2", 80, -2e-3, 1e-4, 1e-9},
                                          RecordSample{"samples.csv", 80, 0.0, 1e-4, 1e-9}));
 
+// The same line in every unit that the option line can name; GHz where it names none.
+TEST(Touchstone, FrequenciesAreInTheUnitOfTheOptionLine) {
+  const TemporaryFolder folder;
+  for (const auto& [option, hz] : {std::pair{"# Hz S RI R 50", 1.0},
+                                   {"# kHz S RI R 50", 1e3},
+                                   {"# MHz S RI R 50", 1e6},
+                                   {"# GHz S RI R 50", 1e9},
+                                   {"# S RI R 50", 1e9}}) {
+    write_file(folder / "one.s1p", std::string(option) + "\n1 0.5 0\n2 0.25 0\n3 0.125 0\n");
+    Provenance from;
+    const FrequencyRecord record = FrequencyRecord::read_csv((folder / "one.s1p").string() + ":s11", from);
+    ASSERT_EQ(record.frequency.size(), 3u) << option;
+    EXPECT_NEAR(record.frequency[1].value / (2.0 * hz), 1.0, 1e-12) << option;
+    EXPECT_NEAR(std::abs(record.response[1] - 0.25), 0.0, 1e-12) << option;
+  }
+}
+
 TEST(ForeignRecords, UnevenStepsOfSimulatorsBecomeEvenAndTheDepartureIsSaid) {
   for (const char* name : {"ltspice_tran.raw", "ltspice_tran_fast.raw:v(in),v(out)"}) {
     Provenance from;

@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
+#include "gap/made_model.hpp"
 #include "gap/measured_response.hpp"
 #include "numeric/random.hpp"
 
@@ -43,10 +42,8 @@ inline bodesmith::gap::MeasuredResponse measured(const Response& h, double from_
 
 /// A gain that may be refitted.
 inline bodesmith::chain::Chain free_gain(double gain) {
-  return bodesmith::chain::model_from_node(bodesmith::parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\noffset = 0.0\nfree = [\"gain\"]\ngain = " +
-          std::to_string(gain) + "\n",
-      "model.toml"));
+  return model_of(
+      "[[block]]\ntype = \"gain\"\noffset = 0.0\nfree = [\"gain\"]\ngain = " + std::to_string(gain) + "\n");
 }
 
 }  // namespace made

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <random>
 
-#include "base/documents/document.hpp"
 #include "base/documents/json.hpp"
-#include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
 #include "gap/effect.hpp"
+#include "gap/made_model.hpp"
 #include "gap/report/page.hpp"
 
 namespace {
@@ -61,9 +60,7 @@ TEST(RegisteredEffect, IsNamedByDiagnose) {
   static SixthPower effect;
   gap::effect_registry().add(effect);
   effect.proposes = true;
-  const auto base = chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.25\nfree = [\"gain\"]\n",
-      "model.toml"));
+  const auto base = model_of("[[block]]\ntype = \"gain\"\ngain = 1.25\nfree = [\"gain\"]\n");
   const auto study = gap::Study::of({record_with_sixth_power("train.csv", 1)},
                                     {record_with_sixth_power("holdout.csv", 2)}, base);
   const auto diagnosis = gap::diagnose(base, study, {});

@@ -5,9 +5,8 @@
 #include <numbers>
 #include <random>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/made_model.hpp"
 #include "gap/scene.hpp"
 
 namespace {
@@ -18,9 +17,7 @@ constexpr double kStaircaseStep = 4.4e-3;
 constexpr int kStaircaseSamples = 2400;
 
 chain::Chain chain_of_a_line() {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n",
-      "model.toml"));
+  return model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n");
 }
 
 /// A staircase of long treads behind a lag of 199 Hz and a mode of 39 Hz, by steps of a fiftieth of a sample.

@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/made_model.hpp"
 
 namespace {
 
@@ -23,10 +22,9 @@ constexpr double kNoise = 0.004;
 constexpr double kOffset = -0.6;
 
 chain::Chain curve() {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"polynomial\"\ncoefficients = [0.0, 1.0, 0.37]\n"
-      "[[block]]\ntype = \"gain\"\ngain = 1.4\nfree = [\"gain\"]\n",
-      "model.toml"));
+  return model_of(
+      "[[block]]\ntype = \"polynomial\"\ncoefficients = [0.0, 1.0, 0.37]\n"
+      "[[block]]\ntype = \"gain\"\ngain = 1.4\nfree = [\"gain\"]\n");
 }
 
 /// Triangles whose heights are drawn.

@@ -6,9 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/effect.hpp"
+#include "gap/made_model.hpp"
 #include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
@@ -19,11 +18,10 @@ namespace {
 using namespace bodesmith;
 
 chain::Chain resonator() {
-  return chain::model_from_node(
-      parse_toml("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"resonator\"\ngain = 1.8\n"
-                 "natural_frequency_hz = 30.0\ndamping_ratio = 0.1\ncubic = 0.2\n"
-                 "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\", \"cubic\"]\n",
-                 "model.toml"));
+  return model_of(
+      "[[block]]\ntype = \"resonator\"\ngain = 1.8\n"
+      "natural_frequency_hz = 30.0\ndamping_ratio = 0.1\ncubic = 0.2\n"
+      "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\", \"cubic\"]\n");
 }
 
 /// Smoothed noise through a gain of 2, with a line.
@@ -87,8 +85,7 @@ TEST(Threads, AreNotWorthHavingForShortRecords) {
 TEST(LongRecords, ShowTheMainsWhereTheyAre) {
   const double hz = 150.21;
   const auto train = record(60000, 1.0 / 610.0, hz, 0.02);
-  const gap::Model model(chain::model_from_node(
-      parse_toml("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2.0\n", "model.toml")));
+  const gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\n"));
   const auto scene = gap::make_scene(model, train);
   const auto all = gap::effect_registry().all();
   const auto hum = std::find_if(all.begin(), all.end(),

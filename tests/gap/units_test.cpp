@@ -4,10 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "base/documents/document.hpp"
 #include "base/error.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/made_model.hpp"
 
 namespace {
 
@@ -38,9 +37,7 @@ TimeRecord loop_in_units(const char* file, unsigned seed, double scale) {
 }
 
 gap::Diagnosis diagnosis_in_units(double scale) {
-  const auto base = chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.8\nfree = [\"gain\"]\n",
-      "model.toml"));
+  const auto base = model_of("[[block]]\ntype = \"gain\"\ngain = 1.8\nfree = [\"gain\"]\n");
   const auto study =
       gap::Study::of({loop_in_units("train.csv", 1, scale)}, {loop_in_units("holdout.csv", 2, scale)}, base);
   return gap::diagnose(base, study, {});

@@ -9,6 +9,7 @@
 #include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/made_model.hpp"
 #include "simulate/simulate.hpp"
 
 namespace {
@@ -39,9 +40,7 @@ TimeRecord record_with_hum(const char* file, double step_s, const HumOf& hum, un
 }
 
 chain::Chain gain_of_two() {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.9\nfree = [\"gain\"]\n",
-      "model.toml"));
+  return model_of("[[block]]\ntype = \"gain\"\ngain = 1.9\nfree = [\"gain\"]\n");
 }
 
 class MainsHum : public testing::TestWithParam<std::pair<double, double>> {};

@@ -5,12 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/cases/signals.hpp"
 #include "gap/cases/stages.hpp"
 #include "gap/cases/time_base.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/made_model.hpp"
 
 namespace {
 
@@ -37,8 +36,7 @@ TimeRecord powers_record(const hidden::Stage& stage, hidden::Drive drive, unsign
 
 std::vector<std::string> names_for_powers(const std::string& model, const hidden::Stage& stage,
                                           double middle) {
-  const auto base =
-      chain::model_from_node(parse_toml("schema = \"bodesmith.model/1\"\n" + model, "model.toml"));
+  const auto base = model_of(model);
   const auto study = gap::Study::of({powers_record(stage, hidden::Drive::triangle, 1, middle)},
                                     {powers_record(stage, hidden::Drive::modulated_sine, 2, middle)}, base);
   std::vector<std::string> all;

@@ -8,10 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
+#include "gap/made_model.hpp"
 #include "gap/scene.hpp"
 
 namespace {
@@ -23,10 +22,9 @@ constexpr double kFirstHz = 20.0;
 constexpr double kSecondHz = 1.5;
 
 chain::Chain two_lags(const std::string& start) {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n" + start +
-          "[[block]]\ntype = \"lowpass\"\ncorner_hz = 20.0\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 1.5\n",
-      "model.toml"));
+  return model_of(
+      start +
+      "[[block]]\ntype = \"lowpass\"\ncorner_hz = 20.0\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 1.5\n");
 }
 
 /// Two lags with `offset` between them, from rest, by steps of a hundredth of a sample.

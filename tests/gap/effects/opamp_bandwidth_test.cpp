@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gap/effect.hpp"
+#include "gap/made_model.hpp"
 #include "gap/made_response.hpp"
 #include "gap/scene.hpp"
 #include "gap/search.hpp"
@@ -18,9 +19,7 @@ constexpr double kZeroHz = 100.0;
 constexpr double kPoleHz = 600.0;
 
 chain::Chain lead_section() {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"pole_zero\"\ngain = 1.0\nzero_hz = 100.0\npole_hz = 600.0\n",
-      "model.toml"));
+  return model_of("[[block]]\ntype = \"pole_zero\"\ngain = 1.0\nzero_hz = 100.0\npole_hz = 600.0\n");
 }
 
 /// H/(1 + (1 + H) s/w_t): 1 + b s + a s^2 has b^2 < 4 a below about 14 kHz.

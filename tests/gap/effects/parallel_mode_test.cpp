@@ -9,6 +9,7 @@
 #include "gap/cases/time_base.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
+#include "gap/made_model.hpp"
 #include "gap/made_response.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
@@ -33,10 +34,9 @@ std::vector<std::string> sorted_names(const gap::SearchResult& result) {
 }
 
 chain::Chain mode_alone() {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"resonator\"\ngain = 1.9\nnatural_frequency_hz = "
-      "123.0\ndamping_ratio = 0.022\nfree = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n",
-      "model.toml"));
+  return model_of(
+      "[[block]]\ntype = \"resonator\"\ngain = 1.9\nnatural_frequency_hz = "
+      "123.0\ndamping_ratio = 0.022\nfree = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n");
 }
 
 TEST(ParallelModesInResponse, OfBothSignsAreNamedWithTheirShares) {

@@ -6,9 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/made_model.hpp"
 #include "gap/records/one_loop.hpp"
 
 namespace {
@@ -36,9 +35,7 @@ TimeRecord loops(double growth, unsigned seed) {
 }
 
 chain::Chain line() {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = 0.0\nfree = [\"gain\", \"offset\"]\n",
-      "model.toml"));
+  return model_of("[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = 0.0\nfree = [\"gain\", \"offset\"]\n");
 }
 
 bool is_one_loop(const std::vector<TimeRecord>& records) {

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/made_model.hpp"
 
 namespace {
 
@@ -31,9 +30,7 @@ TimeRecord line_with(const char* file, unsigned seed, double offset) {
 }
 
 gap::Diagnosis diagnosis_with(double offset) {
-  const auto base = chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n",
-      "model.toml"));
+  const auto base = model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n");
   const auto study =
       gap::Study::of({line_with("train.csv", 1, 0.0)}, {line_with("holdout.csv", 2, offset)}, base);
   gap::SearchOptions options;

@@ -8,8 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
+#include "gap/made_model.hpp"
 #include "gap/runner.hpp"
 #include "simulate/record/record_simulator.hpp"
 
@@ -21,9 +20,7 @@ constexpr double kStep = 1e-3;
 constexpr double kCorner = 80.0;
 
 chain::Chain low_pass() {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 75.0\nfree = [\"corner_hz\"]\n",
-      "model.toml"));
+  return model_of("[[block]]\ntype = \"lowpass\"\ncorner_hz = 75.0\nfree = [\"corner_hz\"]\n");
 }
 
 /// Sines up to a sixth of the sampling rate; the output as they pass a low pass (`smooth`: as curves, else as straight

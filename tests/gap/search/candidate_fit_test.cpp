@@ -6,9 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "base/documents/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/made_model.hpp"
 
 namespace {
 
@@ -18,12 +17,11 @@ constexpr double kLooseStep = 7.7e-3;
 constexpr double kLooseHz = 4.2;
 
 chain::Chain stage_with_loops() {
-  return chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0, 0.1, 0.4]\nw = [1.0, 0.06, 0.1]\n"
+  return model_of(
+      "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0, 0.1, 0.4]\nw = [1.0, 0.06, 0.1]\n"
       "[[block]]\ntype = \"gain\"\ngain = 15.0\nfree = [\"gain\"]\n"
       "[[block]]\ntype = \"resonator\"\ngain = 1.0\nnatural_frequency_hz = 11.2\ndamping_ratio = 0.0125\n"
-      "free = [\"natural_frequency_hz\", \"damping_ratio\"]\n",
-      "model.toml"));
+      "free = [\"natural_frequency_hz\", \"damping_ratio\"]\n");
 }
 
 struct Mode {

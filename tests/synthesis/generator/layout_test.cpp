@@ -7,14 +7,11 @@
 
 #include "base/error.hpp"
 #include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/made_layout.hpp"
 #include "synthesis/generator/timing.hpp"
 
 namespace bodesmith::generator {
 namespace {
-
-Layout layout_of(const std::vector<Polynomial>& branches, const Options& options = {}) {
-  return make_layout(Input{branches, {}}, options);
-}
 
 Disturbance seed_disturbance() {
   Disturbance d;

@@ -1,16 +1,12 @@
 #include <gtest/gtest.h>
 
 #include "schematic/ngspice/ngspice.hpp"
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/made_layout.hpp"
 #include "synthesis/generator/ngspice_check.hpp"
 #include "synthesis/generator/timing.hpp"
 
 namespace bodesmith::generator {
 namespace {
-
-Layout layout_of_branches(const std::vector<Polynomial>& branches, const Options& options = {}) {
-  return make_layout(Input{branches, {}}, options);
-}
 
 TEST(DisturbanceLibrary, NgspiceMakesThePolynomialsAndFollowsATriangleUpTo5Kilohertz) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
@@ -58,15 +54,14 @@ TEST(DisturbanceLibrary, EverySchemeOfDegreeSevenAndOneBranch) {
   for (const char* scheme : {"shared", "horner", "3"}) {
     generator::Options options;
     options.scheme = generator::Scheme::named(scheme);
-    const DisturbanceCheck two = check_disturbance(
-        layout_of_branches({{"up", seven, {}}, {"down", {-0.2, 0.2}, {}}}, options), {Hertz{5000}});
+    const DisturbanceCheck two =
+        check_disturbance(layout_of({{"up", seven, {}}, {"down", {-0.2, 0.2}, {}}}, options), {Hertz{5000}});
     EXPECT_LT(two.static_against_program, 1e-3) << scheme;
     EXPECT_LT(two.limit_against_program, 1e-3) << scheme;
     EXPECT_LT(two.static_percent, 0.1) << scheme;
     EXPECT_LT(two.dynamic[0].rms_percent, 1.0) << scheme;
   }
-  const DisturbanceCheck one =
-      check_disturbance(layout_of_branches({{"only", {0.1, -0.1, 0.2}, {}}}), {Hertz{100}});
+  const DisturbanceCheck one = check_disturbance(layout_of({{"only", {0.1, -0.1, 0.2}, {}}}), {Hertz{100}});
   EXPECT_LT(one.static_against_program, 5e-4);
   EXPECT_TRUE(one.dynamic.empty());
 }
@@ -75,7 +70,7 @@ TEST(DisturbanceLibrary, FiveBranchesBySelectLines) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   std::vector<generator::Polynomial> branches;
   for (int b = 1; b <= 5; ++b) branches.push_back({"b", {0.05 * b, -0.1, 0.02 * b}, {}});
-  const Layout layout = layout_of_branches(branches);
+  const Layout layout = layout_of(branches);
   const DisturbanceCheck check = check_disturbance(layout, {Hertz{5000}});
   EXPECT_LT(check.static_against_program, 5e-4);
   EXPECT_LT(check.static_percent, 0.1);

@@ -46,10 +46,16 @@ std::vector<Complex> on_grid(const Loop& loop, const std::vector<Hertz>& grid) {
   return out;
 }
 
-/// The grid and what it steps over: between the neighbours of a point at which |L| is nearest to 1, or L to the negative real axis,
-/// the place where it has crossed, if it has; it comes back within these two steps.
-std::vector<Hertz> with_double_crossings(const Loop& loop, std::vector<Hertz> grid) {
-  const std::vector<Complex> values = on_grid(loop, grid);
+/// A loop at frequencies that step over no crossing.
+struct LoopOnGrid {
+  std::vector<Hertz> grid;
+  std::vector<Complex> values;
+};
+
+/// On the grid and where it steps over two crossings: between the neighbours of a point at which |L| is nearest to 1, or L to the
+/// negative real axis, the place where it has crossed, if it has; it comes back within these two steps.
+LoopOnGrid with_double_crossings(const Loop& loop, std::vector<Hertz> grid) {
+  std::vector<Complex> values = on_grid(loop, grid);
   std::vector<Hertz> found;
   for (double (*value)(Complex) : {log_gain, sine_of}) {
     for (std::size_t i = 1; i + 1 < grid.size(); ++i) {
@@ -63,11 +69,13 @@ std::vector<Hertz> with_double_crossings(const Loop& loop, std::vector<Hertz> gr
       if (side(at) < 0.0) found.push_back(Hertz{std::exp(at)});
     }
   }
-  if (found.empty()) return grid;
-  grid.insert(grid.end(), found.begin(), found.end());
-  std::sort(grid.begin(), grid.end());
-  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
-  return grid;
+  if (!found.empty()) {
+    grid.insert(grid.end(), found.begin(), found.end());
+    std::sort(grid.begin(), grid.end());
+    grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+    values = on_grid(loop, grid);
+  }
+  return {std::move(grid), std::move(values)};
 }
 
 std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& grid,
@@ -181,15 +189,16 @@ Loop interpolated_loop(std::vector<Hertz> grid, std::vector<Complex> values) {
 }
 
 std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& points) {
-  const std::vector<Hertz> grid = with_double_crossings(loop, points);
-  return gain_crossings(loop, grid, on_grid(loop, grid));
+  const auto [grid, values] = with_double_crossings(loop, points);
+  return gain_crossings(loop, grid, values);
 }
 
 LoopMargins loop_margins(const Loop& loop, const std::vector<Hertz>& points) {
   LoopMargins out;
   if (points.size() < 2) return out;
-  const std::vector<Hertz> grid = with_double_crossings(loop, points);
-  const std::vector<Complex> values = on_grid(loop, grid);
+  const LoopOnGrid sampled = with_double_crossings(loop, points);
+  const std::vector<Hertz>& grid = sampled.grid;
+  const std::vector<Complex>& values = sampled.values;
   out.lowest = values.front();
   out.gain_crossings = gain_crossings(loop, grid, values);
   out.phase_crossings = phase_crossings(loop, grid, values);

@@ -166,7 +166,7 @@ int run_controller(const std::vector<std::string>& arguments) {
   if (const auto left = line.maybe_positive("load-stroke")) disturbance = disturbance.at_load(*left);
   controller::Options options = read_controller_options(line);
   const tracking::Reference reference = read_controller_reference(line);
-  options.least_swing = std::min(options.reference_stroke, reference.least_swing());
+  options.least_swing = reference.least_swing();
   if (options.full_stroke && reference.alpha() != 1.0)
     line.fail(fmt::format("--full-stroke and --amplitude {} contradict each other",
                           rounded_text(reference.alpha())));

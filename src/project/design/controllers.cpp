@@ -16,7 +16,7 @@ controller::Options controller_options(const Project& project) {
   options.resistors = synthesis::Series::named(project.circuit->resistors);
   options.capacitors = synthesis::Series::named(project.circuit->capacitors);
   options.tracked = project.track.frequency;
-  options.reference_stroke = options.least_swing = project.track.amplitude();
+  options.reference_stroke = project.track.amplitude();
   for (const auto shape : project.track.waveforms) {
     for (const double amplitude : project.track.amplitudes)
       options.least_swing =

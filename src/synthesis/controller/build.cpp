@@ -128,7 +128,7 @@ AnalogController Builder::build() {
   check_gains();
   check_polynomials();
   scale_branches();
-  const double swing = options_.least_swing > 0.0 ? options_.least_swing : options_.reference_stroke;
+  const double swing = std::min(options_.least_swing, options_.reference_stroke);
   slope_sign("r", out_.stroke ? std::min(out_.stroke->least, swing) : swing, options_.lowest);
   if (out_.stroke) stroke_hold();
   rate_gains();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -48,8 +49,8 @@ struct Options {
   double averaging_s = 0.0;  ///< time constant behind the rectifier; 0: a hundredth of the shortest period
   double reference_stroke = 1.0;  ///< peak to peak of the references whose slope means frequency, V
   /// Of the references' ways between two turns the slowest, V (tracking::Reference::least_swing()): whose slope, at `lowest`, must
-  /// set the switch. 0: reference_stroke.
-  double least_swing = 0.0;
+  /// set the switch; at most reference_stroke.
+  double least_swing = std::numeric_limits<double>::infinity();
   Hertz lowest{1.0};         ///< of the slowest reference
   bool full_stroke = false;  ///< only full strokes matter: a disturbance's amplitude gains are left out
 

@@ -1,6 +1,6 @@
 #include "base/documents/document.hpp"
 #include "reader.hpp"
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/circuit.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

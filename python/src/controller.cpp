@@ -1,5 +1,4 @@
 // controller: the whole analog controller of a disturbance as one circuit.
-#include "synthesis/controller/controller.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/progress.hpp"
@@ -9,14 +8,15 @@
 #include "synthesis/controller/files.hpp"
 #include "synthesis/controller/loop.hpp"
 #include "synthesis/controller/study.hpp"
+#include "synthesis/generator/circuit.hpp"
 #include "tolerance/controller/report.hpp"
 
 namespace bodesmith::python {
 namespace {
 
-controller::Options controller_options(const Node& o) {
-  controller::Options out;
-  if (o.has("form")) out.form = controller::form_named(o.at("form").string());
+generator::Options controller_options(const Node& o) {
+  generator::Options out(generator::Form::self_fed);
+  if (o.has("form")) out.form = generator::form_named(o.at("form").string());
   for (const Node& f : o.at("track_hz").items()) out.tracked.push_back(Hertz{f.positive()});
   out.rates = !o.boolean_or("constant", false);
   out.full_stroke = o.boolean_or("full_stroke", false);
@@ -44,15 +44,15 @@ Answer analog_controller(const Call& call) {
   if (checked && !ngspice::is_available())
     throw InputError("check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
   const Disturbance disturbance = Disturbance::from_node(o.at("disturbance"));
-  const controller::Options options = controller_options(o);
+  const generator::Options options = controller_options(o);
   const tracking::Reference reference(
       choice(o, "waveform", {Shape::triangle, Shape::sine, Shape::two_tone, Shape::decaying_triangle}),
       positive_or(o, "amplitude", 1.0));
   const Stopwatch watch;
-  const controller::AnalogController built = controller::make_controller(disturbance, options);
+  const generator::DisturbanceCircuit built = generator::make_controller(disturbance, options);
   const auto cases = checked ? controller::measure_as_built(built, built.tracked, reference)
                              : controller::predict_as_built(built, reference);
-  Json body = controller::to_json(built);
+  Json body = controller::controller_json(built);
   body["reference"] = {{"waveform", std::string(to_string(reference.shape()))},
                        {"amplitude", reference.alpha()}};
   body[checked ? "as_built" : "predicted"] = controller::to_json(cases);

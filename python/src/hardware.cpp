@@ -14,8 +14,8 @@
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/circuit.hpp"
 #include "synthesis/generator/files.hpp"
-#include "synthesis/generator/layout.hpp"
 #include "synthesis/generator/ngspice_check.hpp"
 #include "synthesis/generator/timing.hpp"
 #include "synthesis/realisation.hpp"
@@ -135,7 +135,7 @@ Answer lay_out(const Call& call) {
   const generator::Input input = generator::Input::from_node(o.at("disturbance"));
   const generator::Options options = layout_options(o);
   const Stopwatch watch;
-  const generator::Layout layout = generator::make_layout(input, options);
+  const generator::DisturbanceCircuit layout = generator::make_layout(input, options);
   const generator::Budget budget = generator::make_budget(layout);
   const generator::Timing timing =
       generator::make_timing(layout, {options.lowest, Hertz{100}, options.highest});

@@ -19,7 +19,7 @@ namespace {
 void declare_controller(CommandLine& line) {
   line.positional("DISTURBANCE.json", 1, 1);
   line.output("folder for controller.sub, controller.json, parts.csv, controller.svg and the KiCad project");
-  const controller::Options defaults;
+  const generator::Options defaults(generator::Form::self_fed);
   line.option<std::string>(
       "form",
       "self-fed: v = r - K d(v), the generator fed by its own drive; two-pass: v = r - K d(r - K "
@@ -60,9 +60,9 @@ std::vector<Hertz> controller_frequencies(const CommandLine& line) {
   return {{1.0}, {10.0}, {20.0}, {40.0}, {60.0}, {80.0}, {100.0}};
 }
 
-controller::Options read_controller_options(const CommandLine& line) {
-  controller::Options out;
-  out.form = controller::form_named(line.get<std::string>("form"));
+generator::Options read_controller_options(const CommandLine& line) {
+  generator::Options out(generator::Form::self_fed);
+  out.form = generator::form_named(line.get<std::string>("form"));
   out.tracked = controller_frequencies(line);
   out.rates = !line.has("constant");
   out.full_stroke = line.has("full-stroke");
@@ -85,11 +85,11 @@ tracking::Reference read_controller_reference(const CommandLine& line) {
   return tracking::Reference(shape, line.positive("amplitude"));
 }
 
-std::string built_summary(const controller::AnalogController& built) {
+std::string built_summary(const generator::DisturbanceCircuit& built) {
   std::string text = fmt::format(
       "{}: {} multipliers ({}), {} op-amps ({}, slope detector {}), {} resistors, capacitors and diodes\n"
       "parts and gain curve: K d within {} % of range; loop gain at most {}, drive up to {} V\n",
-      controller::to_string(built.form), built.multipliers.size(), built.multiplier.name, built.opamps.size(),
+      to_string(built.form), built.multipliers.size(), built.multiplier.name, built.opamps.size(),
       built.opamp.name, built.fast_opamp.name, built.parts.size(), rounded_text(built.max_error_percent, 3),
       rounded_text(built.loop.greatest_gain, 3), rounded_text(built.loop.greatest_drive, 4));
   if (built.curve) {
@@ -122,7 +122,7 @@ std::string as_built_summary(const std::vector<controller::AsBuilt>& cases, bool
 }
 
 /// Keys `stability`, and with --errors `errors_of_parts` and `trim`; trim.md.
-std::string add_part_errors(const CommandLine& line, const controller::AnalogController& built,
+std::string add_part_errors(const CommandLine& line, const generator::DisturbanceCircuit& built,
                             const tracking::Reference& reference, Json& json, OutputSet& out) {
   tolerance::ControllerReport report;
   std::string text;
@@ -164,7 +164,7 @@ int run_controller(const std::vector<std::string>& arguments) {
   Provenance from;
   Disturbance disturbance = Disturbance::read(line.files()[0], from);
   if (const auto left = line.maybe_positive("load-stroke")) disturbance = disturbance.at_load(*left);
-  controller::Options options = read_controller_options(line);
+  generator::Options options = read_controller_options(line);
   const tracking::Reference reference = read_controller_reference(line);
   options.least_swing = reference.least_swing();
   if (options.full_stroke && reference.alpha() != 1.0)
@@ -172,7 +172,7 @@ int run_controller(const std::vector<std::string>& arguments) {
                           rounded_text(reference.alpha())));
 
   const Stopwatch watch;
-  const controller::AnalogController built = controller::make_controller(disturbance, options);
+  const generator::DisturbanceCircuit built = generator::make_controller(disturbance, options);
   const bool checked = line.has("check");
   const std::vector<controller::AsBuilt> cases =
       checked ? controller::measure_as_built(built, built.tracked, reference)
@@ -184,7 +184,7 @@ int run_controller(const std::vector<std::string>& arguments) {
         "made for full strokes: at {} of it the stage's loop is another one (an `amplitude` table builds gains for it)",
         rounded_text(reference.alpha())));
 
-  Json json = controller::to_json(built);
+  Json json = controller::controller_json(built);
   json["reference"] = {{"waveform", std::string(to_string(reference.shape()))},
                        {"amplitude", reference.alpha()}};
   json[checked ? "as_built" : "predicted"] = controller::to_json(cases);

@@ -10,8 +10,8 @@
 #include "cli/commands.hpp"
 #include "cli/shared_options.hpp"
 #include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/circuit.hpp"
 #include "synthesis/generator/files.hpp"
-#include "synthesis/generator/layout.hpp"
 #include "synthesis/generator/ngspice_check.hpp"
 #include "synthesis/generator/timing.hpp"
 
@@ -78,7 +78,7 @@ std::string percent(double value) {
   return rounded_text(value, 3) + " %";
 }
 
-std::string layout_summary(const generator::Layout& layout, const generator::Budget& budget) {
+std::string layout_summary(const generator::DisturbanceCircuit& layout, const generator::Budget& budget) {
   std::string text = fmt::format("{} multipliers ({}), {} op-amps, branch sums at {} V per unit\n",
                                  layout.generator_multipliers(), layout.multiplier.name, layout.opamps.size(),
                                  rounded_text(layout.branch_gain));
@@ -103,7 +103,7 @@ std::string layout_summary(const generator::Layout& layout, const generator::Bud
   return text;
 }
 
-std::string timing_summary(const generator::Layout& layout, const generator::Timing& timing) {
+std::string timing_summary(const generator::DisturbanceCircuit& layout, const generator::Timing& timing) {
   std::string text;
   for (const generator::SlopeDetectorFigures::Delay& one : timing.detector.delays) {
     if (!one.triangle_s)
@@ -159,7 +159,7 @@ int run_layout(const std::vector<std::string>& arguments) {
   const generator::Options options = read_layout_options(line, input.branches.size());
 
   const Stopwatch watch;
-  const generator::Layout layout = generator::make_layout(input, options);
+  const generator::DisturbanceCircuit layout = generator::make_layout(input, options);
   const generator::Budget budget = generator::make_budget(layout);
   const generator::Timing timing =
       generator::make_timing(layout, {options.lowest, Hertz{100}, options.highest});

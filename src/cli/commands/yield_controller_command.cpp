@@ -86,8 +86,8 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   Provenance from;
   const std::string file = line.files()[0];
   const Disturbance disturbance = Disturbance::read(file, from);
-  controller::Options design;
-  design.form = controller::form_named(line.get<std::string>("form"));
+  generator::Options design(generator::Form::self_fed);
+  design.form = generator::form_named(line.get<std::string>("form"));
   design.tracked = yield_tracked(line, disturbance);
   design.full_stroke = line.has("full-stroke");
   if (line.has("opamp"))
@@ -95,7 +95,7 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   const tolerance::ControllerReportOptions options = yield_report_options(line, design.tracked);
 
   const Stopwatch watch;
-  const controller::AnalogController made = controller::make_controller(disturbance, design);
+  const generator::DisturbanceCircuit made = generator::make_controller(disturbance, design);
   const tracking::PolynomialStage stage(disturbance);
   const tolerance::ControllerReport report = tolerance::examine(made, stage, options);
   Json json = timed_document("part_errors", from, tolerance::to_json(report, made), watch.seconds());

@@ -9,10 +9,10 @@
 namespace bodesmith::project {
 namespace {
 
-using controller::Form;
+using generator::Form;
 
-controller::Options controller_options(const Project& project) {
-  controller::Options options;
+generator::Options controller_options(const Project& project) {
+  generator::Options options(generator::Form::self_fed);
   options.resistors = synthesis::Series::named(project.circuit->resistors);
   options.capacitors = synthesis::Series::named(project.circuit->capacitors);
   options.tracked = project.track.frequency;
@@ -28,7 +28,7 @@ controller::Options controller_options(const Project& project) {
 
 /// In the order in which they are tried.
 std::vector<Form> forms_of(const Project& project) {
-  if (project.controller.form) return {controller::form_named(*project.controller.form)};
+  if (project.controller.form) return {generator::form_named(*project.controller.form)};
   if (project.choice == Project::Choice::tracking) return {Form::self_fed, Form::two_pass, Form::one_pass};
   return {Form::one_pass};
 }
@@ -41,14 +41,14 @@ constexpr std::uint64_t kCopies = 400;
 AnalogControllerMade make_analog_controller(const Project& project) {
   AnalogControllerMade out;
   if (!project.circuit) return out;
-  controller::Options options = controller_options(project);
+  generator::Options options = controller_options(project);
   const auto& strokes = project.track.amplitudes;
   options.full_stroke = std::all_of(strokes.begin(), strokes.end(), [](double one) { return one == 1.0; });
   for (const Form form : forms_of(project)) {
     options.form = form;
     try {
-      out.controller = std::make_shared<const controller::AnalogController>(
-          controller::make_controller(project.target.disturbance, options));
+      out.controller = std::make_shared<const generator::DisturbanceCircuit>(
+          generator::make_controller(project.target.disturbance, options));
       return out;
     } catch (const DesignError& error) {
       if (project.controller.form) throw;
@@ -59,7 +59,7 @@ AnalogControllerMade make_analog_controller(const Project& project) {
 }
 
 std::optional<tolerance::ControllerReport> examine_controller(
-    const Project& project, const std::shared_ptr<const controller::AnalogController>& controller) {
+    const Project& project, const std::shared_ptr<const generator::DisturbanceCircuit>& controller) {
   if (!controller || project.track.frequency.empty()) return std::nullopt;
   const tracking::Plant plant = tracking_plant(project);
   const double stroke = tolerance::examined_stroke(*controller, project.track.amplitude());

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "project/project.hpp"
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/generator/circuit.hpp"
 #include "tolerance/controller/report.hpp"
 
 namespace bodesmith::project {
 
 /// The analog controller of a project with [hardware.circuit]; null without.
 struct AnalogControllerMade {
-  std::shared_ptr<const controller::AnalogController> controller;
+  std::shared_ptr<const generator::DisturbanceCircuit> controller;
   std::vector<std::string> passed_over;  ///< forms that cannot be made, and why
 };
 
@@ -25,6 +25,6 @@ AnalogControllerMade make_analog_controller(const Project& project);
 /// compensator and resonance: Monte Carlo, trims tried blind, stability. Nothing without a controller. DesignError
 /// when its loop lacks the least phase margin and the project does not allow that.
 std::optional<tolerance::ControllerReport> examine_controller(
-    const Project& project, const std::shared_ptr<const controller::AnalogController>& controller);
+    const Project& project, const std::shared_ptr<const generator::DisturbanceCircuit>& controller);
 
 }  // namespace bodesmith::project

@@ -15,9 +15,8 @@
 #include "project/design/controllers.hpp"
 #include "project/design/design_stage.hpp"
 #include "project/project.hpp"
-#include "synthesis/controller/controller.hpp"
 #include "synthesis/decks/compensator_files.hpp"
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/circuit.hpp"
 #include "synthesis/realise_search.hpp"
 #include "tolerance/yield.hpp"
 
@@ -36,9 +35,10 @@ struct Design {
   std::optional<fpaa::Plan>
       paper_plan;  ///< of the cascade's sections as the disturbance paper has it: one chip, one clock
   std::optional<synthesis::BuildChoice> circuit;
-  std::optional<tolerance::Result> yield;                          ///< of the circuit; not with a plant
-  std::optional<generator::Layout> layout;                         ///< of a plant's disturbance
-  std::shared_ptr<const controller::AnalogController> controller;  ///< null: no op-amps, or it cannot be made
+  std::optional<tolerance::Result> yield;               ///< of the circuit; not with a plant
+  std::optional<generator::DisturbanceCircuit> layout;  ///< of a plant's disturbance
+  std::shared_ptr<const generator::DisturbanceCircuit>
+      controller;                        ///< null: no op-amps, or it cannot be made
   std::vector<std::string> passed_over;  ///< better alternatives that the hardware cannot make, and why
   std::vector<std::string> not_tried;    ///< in the time given
   double compute_s = 0.0;  ///< fit to plan, netlist and layout, without the alternatives that are not built

@@ -63,16 +63,16 @@ std::string yield_file(const Run& run) {
 }
 
 void add_layout(const Run& run, OutputSet& out) {
-  const generator::Layout& layout = *run.design.layout;
+  const generator::DisturbanceCircuit& layout = *run.design.layout;
   out.add("layout/layout.json", json_file("layout", run, to_json(layout)));
   generator::add_libraries(layout, run.project.name, out, "layout");
   out.add("layout/disturbance.svg", generator::layout_svg(layout));
 }
 
 void add_controller(const Run& run, OutputSet& out) {
-  const controller::AnalogController& controller = *run.design.controller;
+  const generator::DisturbanceCircuit& controller = *run.design.controller;
   Json json = json_header("analog_controller", run.from);
-  json.update(controller::to_json(controller));
+  json.update(controller::controller_json(controller));
   if (run.part_errors) {
     json.update(tolerance::to_json(*run.part_errors, controller));
     out.add("controller/trim.md",

@@ -10,7 +10,7 @@
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
 #include "synthesis/controller/as_built.hpp"
-#include "synthesis/controller/at_rest.hpp"
+#include "synthesis/generator/at_rest.hpp"
 #include "tolerance/controller/errors.hpp"
 
 namespace bodesmith::project {
@@ -31,9 +31,9 @@ Block called(Block block, const char* name) {
   return block;
 }
 
-Block loop_of(const controller::AnalogController& controller, const Disturbance& disturbance, Hertz operating,
-              const schematic::Deviations& off) {
-  controller::BuiltGenerator built(controller, off);
+Block loop_of(const generator::DisturbanceCircuit& controller, const Disturbance& disturbance,
+              Hertz operating, const schematic::Deviations& off) {
+  generator::BuiltGenerator built(controller, off);
   const std::vector<double> frequency = hertz_values(disturbance.rate.frequency);
   Block out = make_block("loop");
   for (const auto& [which, list, constant, rates] :
@@ -58,15 +58,15 @@ Block loop_of(const controller::AnalogController& controller, const Disturbance&
   }
   out.set("reference_gain", built.reference_gain());
   out.set("rate_frequency_hz", frequency).set("operating_hz", operating.value);
-  out.set("passes", controller.form == controller::Form::self_fed   ? 0.0
-                    : controller.form == controller::Form::two_pass ? 2.0
-                                                                    : 1.0);
+  out.set("passes", controller.form == generator::Form::self_fed   ? 0.0
+                    : controller.form == generator::Form::two_pass ? 2.0
+                                                                   : 1.0);
   return called(std::move(out), "controller");
 }
 
 /// What each part does to `loop`, which is the block without departures; those that do nothing at rest are left out.
 std::vector<PartChange> part_changes(const Run& run, const Block& loop, Hertz operating) {
-  const controller::AnalogController& controller = *run.design.controller;
+  const generator::DisturbanceCircuit& controller = *run.design.controller;
   const auto causes = tolerance::causes_of(controller, run.project.controller.errors);
   std::vector<double> values(causes.size(), 0.0);
   std::vector<PartChange> out;
@@ -103,7 +103,7 @@ std::vector<PartChange> part_changes(const Run& run, const Block& loop, Hertz op
 class ControllerAtRest final : public tracking::BuiltController {
  public:
   ControllerAtRest(const Disturbance& disturbance,
-                   std::shared_ptr<const controller::AnalogController> controller)
+                   std::shared_ptr<const generator::DisturbanceCircuit> controller)
       : disturbance_(disturbance), controller_(std::move(controller)) {}
 
   std::string key() const override { return "controller_at_rest"; }
@@ -129,13 +129,13 @@ class ControllerAtRest final : public tracking::BuiltController {
   static constexpr std::size_t kSamples = 2048;  ///< to a period, as the netlist's runs have
 
   const Disturbance& disturbance_;
-  std::shared_ptr<const controller::AnalogController> controller_;
+  std::shared_ptr<const generator::DisturbanceCircuit> controller_;
 };
 
 }  // namespace
 
 std::unique_ptr<tracking::BuiltController> controller_at_rest(
-    const Project& project, std::shared_ptr<const controller::AnalogController> controller) {
+    const Project& project, std::shared_ptr<const generator::DisturbanceCircuit> controller) {
   return std::make_unique<ControllerAtRest>(project.target.disturbance, std::move(controller));
 }
 
@@ -169,7 +169,7 @@ chain::Chain stage_model(const Project& project, Hertz operating) {
 std::optional<chain::Chain> built_model(const Run& run) {
   if (!run.design.controller) return std::nullopt;
   const Hertz operating = lowest_tracked(run.project);
-  const controller::AnalogController& controller = *run.design.controller;
+  const generator::DisturbanceCircuit& controller = *run.design.controller;
   Block loop =
       loop_of(controller, run.project.target.disturbance, operating, schematic::Deviations::none(controller));
   loop.parts = std::make_shared<const std::vector<PartChange>>(part_changes(run, loop, operating));

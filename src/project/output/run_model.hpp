@@ -22,6 +22,6 @@ std::optional<chain::Chain> built_model(const Run& run);
 
 /// The controller as its parts make it at rest, in closed form and without any dynamics ("controller_at_rest").
 std::unique_ptr<tracking::BuiltController> controller_at_rest(
-    const Project& project, std::shared_ptr<const controller::AnalogController> controller);
+    const Project& project, std::shared_ptr<const generator::DisturbanceCircuit> controller);
 
 }  // namespace bodesmith::project

@@ -10,7 +10,7 @@ namespace bodesmith::project {
 void layout_chapter(report::Page& page, const Run& run) {
   if (!run.design.layout) return;
   page.chapter("Disturbance generator");
-  const generator::Layout& layout = *run.design.layout;
+  const generator::DisturbanceCircuit& layout = *run.design.layout;
   page.paragraph(fmt::format(
       "{} multipliers ({}) make the powers that the branches share; {} summing op-amps; a switch driven by the slope "
       "of the reference selects the branch. Largest error of d from the preferred resistor values: {} % of range.",

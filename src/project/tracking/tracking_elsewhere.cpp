@@ -142,7 +142,7 @@ void add_board_controllers(const Project& project, std::vector<RunningController
 
 /// The analog controller first, in ngspice, which stands for what is built where it is installed; last by CVODE and at rest.
 std::vector<RunningController> running_controllers(
-    const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
+    const Project& project, const std::shared_ptr<const generator::DisturbanceCircuit>& analog) {
   const bool ngspice = ngspice::is_available(), circuit = project.circuit && analog;
   std::vector<RunningController> out;
   if (circuit && ngspice)
@@ -178,7 +178,7 @@ void make_drives(const Project& project, std::vector<RunningController>& control
 }  // namespace
 
 ControllersTracked track_built_controllers(
-    const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
+    const Project& project, const std::shared_ptr<const generator::DisturbanceCircuit>& analog) {
   std::vector<RunningController> controllers = running_controllers(project, analog);
   make_drives(project, controllers);
   const std::vector<Hertz>& frequencies = project.track.frequency;

@@ -30,8 +30,8 @@ struct ControllersTracked {
 };
 /// Every controller of the project that can be run here: the analog one in ngspice where that is installed and, along the
 /// project's first reference alone, by CVODE and at rest; where tracking decides, those of the board, fed by their own drive.
-ControllersTracked track_built_controllers(const Project& project,
-                                           const std::shared_ptr<const controller::AnalogController>& analog);
+ControllersTracked track_built_controllers(
+    const Project& project, const std::shared_ptr<const generator::DisturbanceCircuit>& analog);
 
 /// The project's other waveforms and amplitudes on its polynomials, by the branch's slope and with closed minor loops;
 /// and all of its references on stages of other families (Preisach, Prandtl-Ishlinskii, Bouc-Wen) identified from the

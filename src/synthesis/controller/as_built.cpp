@@ -11,7 +11,6 @@
 #include "base/whole_number.hpp"
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/ngspice/ngspice.hpp"
-#include "synthesis/controller/library.hpp"
 #include "synthesis/generator/timing.hpp"
 
 namespace bodesmith::controller {
@@ -55,7 +54,7 @@ ngspice::Transient run_as_tightly_as_it_goes(const std::string& deck, bool tight
 
 }  // namespace
 
-SteadyState run_in_cvode(const AnalogController& controller, const Reference& reference, Hertz operating,
+SteadyState run_in_cvode(const DisturbanceCircuit& controller, const Reference& reference, Hertz operating,
                          std::size_t samples, const std::vector<double>& at_s) {
   const Stopwatch watch;
   const double repeat = static_cast<double>(reference.periods()) / operating.value;
@@ -89,11 +88,8 @@ SteadyState run_in_cvode(const AnalogController& controller, const Reference& re
   return out;
 }
 
-double switch_delay_s(const AnalogController& controller, const Reference& reference, Hertz operating) {
-  const generator::SlopeDetector detector(
-      schematic::subset(
-          controller, [&](std::size_t group) { return controller.purpose_of(group) == Purpose::slope_sign; }),
-      "r");
+double switch_delay_s(const DisturbanceCircuit& controller, const Reference& reference, Hertz operating) {
+  const generator::SlopeDetector detector(controller.detector_netlist(), "r");
   const double repeat = static_cast<double>(reference.periods()) / operating.value;
   const double turn = reference.turns().back(), next = reference.turns()[1];
   const std::optional<double> delay =
@@ -129,12 +125,12 @@ std::string reference_sources(const Reference& reference, Hertz operating, int r
   return fmt::format("Vr r 0 PWL({})\n", points.substr(1));
 }
 
-int repeats_to_settle(const AnalogController& controller, double repeat_s) {
+int repeats_to_settle(const DisturbanceCircuit& controller, double repeat_s) {
   const double slowest = controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
   return whole_number(std::ceil(slowest / repeat_s), 1, kMostRepeats);
 }
 
-SteadyState run_in_ngspice(const AnalogController& controller, const Reference& reference, Hertz operating,
+SteadyState run_in_ngspice(const DisturbanceCircuit& controller, const Reference& reference, Hertz operating,
                            const NgspiceRun& options) {
   const Stopwatch watch;
   const double periods = static_cast<double>(reference.periods()), period = 1.0 / operating.value,
@@ -176,7 +172,7 @@ SteadyState run_in_ngspice(const AnalogController& controller, const Reference& 
   return out;
 }
 
-tracking::TrackingError stage_error(const AnalogController& controller, const SteadyState& run) {
+tracking::TrackingError stage_error(const DisturbanceCircuit& controller, const SteadyState& run) {
   tracking::PolynomialStage::Options options;
   options.alpha = run.reference.alpha();
   const tracking::PolynomialStage stage(controller.disturbance, {}, options);
@@ -189,7 +185,7 @@ std::string CircuitController::name() const {
 }
 
 int CircuitController::part_count() const {
-  const AnalogController& c = *controller_;
+  const DisturbanceCircuit& c = *controller_;
   return static_cast<int>(c.parts.size() + c.opamps.size() + c.multipliers.size() + c.contacts.size() +
                           c.sources.size());
 }

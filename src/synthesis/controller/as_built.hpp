@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "schematic/netlist.hpp"
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/controller/library.hpp"
 #include "tracking/built_controller.hpp"
 #include "tracking/reference.hpp"
 #include "tracking/stage.hpp"
@@ -43,11 +43,11 @@ struct NgspiceRun {
 };
 
 /// Whole repeats until what is slow, the smoothing behind the slope meter, has settled.
-int repeats_to_settle(const AnalogController& controller, double repeat_s);
+int repeats_to_settle(const DisturbanceCircuit& controller, double repeat_s);
 
 /// The emitted netlist through plain `.tran` from rest, r starting at 0 V. Throws InputError as
 /// ngspice::run_transient.
-SteadyState run_in_ngspice(const AnalogController& controller, const tracking::Reference& reference,
+SteadyState run_in_ngspice(const DisturbanceCircuit& controller, const tracking::Reference& reference,
                            Hertz operating, const NgspiceRun& options = {});
 
 /// Independent sources that make the reference from node `r` to ground, for a deck.
@@ -55,23 +55,23 @@ std::string reference_sources(const tracking::Reference& reference, Hertz operat
 
 /// What the disturbance paper's stage makes of the drive, reading it, against r: y = v + K_b(f) d_b(v), with amplitude gains
 /// y = v + K_b(f) g_b(alpha) d_b(v/alpha), alpha the reference's stroke.
-tracking::TrackingError stage_error(const AnalogController& controller, const SteadyState& run);
+tracking::TrackingError stage_error(const DisturbanceCircuit& controller, const SteadyState& run);
 
 /// The whole netlist in time by CVODE (schematic/analysis/in_time.hpp), beside what ngspice makes of it: from rest, as many
 /// repeats of the reference as the smoothing behind the slope meter needs; the last one is kept. `at_s`: instants of it, from
 /// its begin, at which v is told too (SteadyState::own_v).
-SteadyState run_in_cvode(const AnalogController& controller, const tracking::Reference& reference,
+SteadyState run_in_cvode(const DisturbanceCircuit& controller, const tracking::Reference& reference,
                          Hertz operating, std::size_t samples = 2048, const std::vector<double>& at_s = {});
 
 /// From the turn at the end of a repeat to the new contact: slope detector (integrated from its circuit) and
 /// switch. InputError when the slope never reaches the detector's threshold.
-double switch_delay_s(const AnalogController& controller, const tracking::Reference& reference,
+double switch_delay_s(const DisturbanceCircuit& controller, const tracking::Reference& reference,
                       Hertz operating);
 
 /// The circuit for a tracking study: its netlist in ngspice, or without it by CVODE.
 class CircuitController final : public tracking::BuiltController {
  public:
-  explicit CircuitController(std::shared_ptr<const AnalogController> controller,
+  explicit CircuitController(std::shared_ptr<const DisturbanceCircuit> controller,
                              std::optional<NgspiceRun> options)
       : controller_(std::move(controller)), options_(options) {}
 
@@ -79,10 +79,10 @@ class CircuitController final : public tracking::BuiltController {
   std::string name() const override;
   int part_count() const override;
   tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override;
-  const AnalogController& circuit() const { return *controller_; }
+  const DisturbanceCircuit& circuit() const { return *controller_; }
 
  private:
-  std::shared_ptr<const AnalogController> controller_;
+  std::shared_ptr<const DisturbanceCircuit> controller_;
   std::optional<NgspiceRun> options_;
 };
 

@@ -8,12 +8,11 @@
 #include "base/version.hpp"
 #include "schematic/writers/kicad/schematic.hpp"
 #include "schematic/writers/parts_table.hpp"
-#include "synthesis/controller/library.hpp"
 
 namespace bodesmith::controller {
 namespace {
 
-Json curve_json(const AnalogController& controller) {
+Json curve_json(const DisturbanceCircuit& controller) {
   return {{"corner_hz", hertz_values(controller.curve->corner)},
           {"ascending", controller.curve->gain[0]},
           {"descending", controller.curve->gain[1]},
@@ -24,7 +23,7 @@ Json curve_json(const AnalogController& controller) {
 
 }  // namespace
 
-Json to_json(const AnalogController& controller) {
+Json controller_json(const DisturbanceCircuit& controller) {
   Json out = {{"form", std::string(to_string(controller.form))},
               {"opamp", controller.opamp.name},
               {"fast_opamp", controller.fast_opamp.name}};
@@ -83,7 +82,7 @@ Json to_json(const AnalogController& controller) {
   return out;
 }
 
-void add_controller_files(const AnalogController& controller, const std::string& title, const Json& json,
+void add_controller_files(const DisturbanceCircuit& controller, const std::string& title, const Json& json,
                           OutputSet& out, const std::filesystem::path& folder) {
   out.add(folder / "controller.sub", controller_library(controller, title));
   out.add(folder / "parts.csv", schematic::parts_csv(controller));

@@ -3,9 +3,25 @@
 #include <string>
 
 #include "schematic/netlist.hpp"
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/generator/at_rest.hpp"
 
+/// What is told of the closed circuit: its netlist, its loop, its drive.
 namespace bodesmith::controller {
+
+using generator::AtRest;
+using generator::Contact;
+using generator::DisturbanceCircuit;
+using generator::Form;
+using generator::generator_netlist;
+using generator::kArgument;
+using generator::opened;
+using generator::Pass;
+using generator::RestWiring;
+using schematic::Deviations;
+using schematic::Multiplier;
+using schematic::OpAmp;
+using schematic::Part;
+using schematic::Purpose;
 
 struct LibraryOptions {
   /// Parts off their values; none: as realised. Not for the open loop.
@@ -17,20 +33,7 @@ struct LibraryOptions {
 };
 
 /// `.subckt controller r v` and all it needs: for ngspice, LTspice and Xyce alike.
-std::string controller_library(const AnalogController& controller, const std::string& title,
+std::string controller_library(const DisturbanceCircuit& controller, const std::string& title,
                                const LibraryOptions& options = {});
-
-/// Node in place of what the generator reads when its loop is cut.
-inline constexpr const char* kArgument = "argument";
-
-/// The whole controller with its loop cut: powers and weights read node kArgument instead of the last pass's argument, the switch
-/// follows node branch (above 0.5 V: ascending), node slope (-V) takes the place of the slope meter. With amplitude gains the argument is
-/// divided by `stroke`.
-schematic::Netlist opened(const AnalogController& controller, double stroke = 1.0);
-
-/// The generator and the subtraction alone: powers, branches, switch, r - K d. What the slope meter and the gain curve make
-/// comes from outside (it does not move with v). `cut`: powers and weights read node kArgument instead of the last pass's argument.
-/// With amplitude gains that is what is divided by the stroke already, or, `divided`, the input of the division by node al.
-schematic::Netlist generator_netlist(const AnalogController& controller, bool cut, bool divided = false);
 
 }  // namespace bodesmith::controller

@@ -16,8 +16,6 @@
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/plain_number.hpp"
 #include "schematic/writers/spice_library.hpp"
-#include "synthesis/controller/at_rest.hpp"
-#include "synthesis/controller/library.hpp"
 
 namespace bodesmith::controller {
 namespace {
@@ -33,7 +31,7 @@ Json point_json(const LoopPoint& point) {
 }
 
 /// The full stroke; of a table of amplitude gains its least one and where the loop is steepest.
-std::vector<double> looked_at_strokes(const AnalogController& c, Disturbance::Branch branch) {
+std::vector<double> looked_at_strokes(const DisturbanceCircuit& c, Disturbance::Branch branch) {
   std::vector<double> out = {1.0};
   if (!c.stroke) return out;
   const auto steep = [&](double alpha) { return c.amplitude_gain(branch, alpha) / alpha; };
@@ -46,7 +44,7 @@ std::vector<double> looked_at_strokes(const AnalogController& c, Disturbance::Br
 }
 
 /// v = 0, 1/4 … 1 strokes; both branches; the gain curve's corners, where the gains' extremes are, at partial strokes the greatest.
-std::vector<LoopPoint> loop_points(const AnalogController& c) {
+std::vector<LoopPoint> loop_points(const DisturbanceCircuit& c) {
   std::vector<Hertz> operating = {c.tracked.empty() ? Hertz{1.0} : c.tracked.front()};
   if (c.curve) operating = c.curve->corner;
   std::vector<LoopPoint> out;
@@ -76,7 +74,7 @@ std::vector<LoopPoint> loop_points(const AnalogController& c) {
 }
 
 /// The generator cut at its argument, for small signals about the point.
-schematic::Equations cut_loop(const AnalogController& controller, const LoopPoint& point) {
+schematic::Equations cut_loop(const DisturbanceCircuit& controller, const LoopPoint& point) {
   LoopBias bias = bias_of(controller, point);
   bias.volts[kArgument] = point.v;
   schematic::Equations out(generator_netlist(controller, true, true),
@@ -85,7 +83,7 @@ schematic::Equations cut_loop(const AnalogController& controller, const LoopPoin
   return out;
 }
 
-LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const std::vector<Hertz>& grid) {
+LoopAt look_at(const DisturbanceCircuit& controller, const LoopPoint& point, const std::vector<Hertz>& grid) {
   const LoopBias bias = bias_of(controller, point);
   const schematic::Netlist netlist = generator_netlist(controller, false, true);
   schematic::Equations closed(netlist, {.position = bias.position});
@@ -123,13 +121,13 @@ constexpr int kGridPoints = 90;
 /// Of the stroke: within this a change of branch is over.
 constexpr double kSettledShare = 2e-4;
 
-std::string open_library(const AnalogController& controller, const LoopPoint& point) {
+std::string open_library(const DisturbanceCircuit& controller, const LoopPoint& point) {
   return controller_library(controller, "loop", {.open = true, .stroke = point.stroke});
 }
 
 /// The netlist with the slope meter and the branch from outside, and its sources but for x.
-std::string open_deck(const AnalogController& controller, const std::string& library, const LoopPoint& point,
-                      double reference_v, const std::string& branch) {
+std::string open_deck(const DisturbanceCircuit& controller, const std::string& library,
+                      const LoopPoint& point, double reference_v, const std::string& branch) {
   const double slope = controller.slope ? -point.operating.value * controller.slope->volts_per_hz : 0.0;
   return fmt::format(
       "loop\n{}\nVr r 0 {}\nVbranch branch 0 {}\nVslope slope 0 {}\nXc r x branch slope v controller_open\n",
@@ -142,7 +140,8 @@ std::string level(Disturbance::Branch branch) {
 
 /// The op-amp's line takes a copy of the macromodel with a source of 1 V behind the ideal output stage: there its
 /// whole return ratio passes, whatever is connected.
-std::string with_cut_opamp(const AnalogController& controller, std::string library, const std::string& name) {
+std::string with_cut_opamp(const DisturbanceCircuit& controller, std::string library,
+                           const std::string& name) {
   const schematic::OpAmp* opamp = nullptr;
   for (const schematic::OpAmp& one : controller.opamps) {
     if (one.name == name) opamp = &one;
@@ -162,7 +161,7 @@ std::string with_cut_opamp(const AnalogController& controller, std::string libra
   return library + "\n" + macro;
 }
 
-std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller, const std::string& opamp,
+std::vector<std::complex<double>> opamp_ratio(const DisturbanceCircuit& controller, const std::string& opamp,
                                               const LoopPoint& point, const std::vector<Hertz>& grid) {
   const std::string library = with_cut_opamp(controller, open_library(controller, point), opamp);
   std::string deck =
@@ -175,7 +174,7 @@ std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller
   return out;
 }
 
-std::vector<std::complex<double>> generator_loop(const AnalogController& controller, const LoopPoint& point,
+std::vector<std::complex<double>> generator_loop(const DisturbanceCircuit& controller, const LoopPoint& point,
                                                  const std::vector<Hertz>& grid) {
   std::string deck = open_deck(controller, open_library(controller, point), point,
                                bias_of(controller, point).reference_v, level(point.branch));
@@ -186,10 +185,10 @@ std::vector<std::complex<double>> generator_loop(const AnalogController& control
 }
 
 /// v of a branch at rest.
-double drive_of(AtRest& rest, bool self_fed, double r, bool rising) {
+double drive_of(AtRest& rest, bool self_fed, double r, std::size_t branch) {
   double v = r;
   for (int i = 0; i < 60; ++i) {
-    const double made = rest.made(r, v, rising);
+    const double made = rest.made(r, v, branch);
     if (!self_fed) return made;
     v = made;
   }
@@ -197,7 +196,7 @@ double drive_of(AtRest& rest, bool self_fed, double r, bool rising) {
 }
 
 /// Both changes of branch at a reference of r, each branch held for `hold_s`; `rest_v`: the drive of each at rest.
-SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint& at, double r,
+SwitchStep change_of_branch(const DisturbanceCircuit& controller, const LoopPoint& at, double r,
                             const double rest_v[2], double hold_s) {
   constexpr double kChangeS = 2e-6, kEdgeS = 1e-9, kStepS = 10e-9;
   const double back_s = kChangeS + hold_s, stop_s = back_s + hold_s;
@@ -226,7 +225,7 @@ SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint&
   return out;
 }
 
-std::optional<SwitchStep> switch_step(const AnalogController& controller, const LoopPoint& at) {
+std::optional<SwitchStep> switch_step(const DisturbanceCircuit& controller, const LoopPoint& at) {
   if (!controller.switched() || controller.contacts.size() < 2) return std::nullopt;
   const RestWiring wiring(controller);
   AtRest rest(wiring, schematic::Deviations::none(controller));
@@ -234,16 +233,16 @@ std::optional<SwitchStep> switch_step(const AnalogController& controller, const 
   double r = 0.5, greatest = 0.0;
   for (int i = 0; i <= 40; ++i) {
     const double here = i / 40.0;
-    const double apart = std::abs(drive_of(rest, wiring.argument_is_given, here, true) -
-                                  drive_of(rest, wiring.argument_is_given, here, false));
+    const double apart = std::abs(drive_of(rest, wiring.argument_is_given, here, 0) -
+                                  drive_of(rest, wiring.argument_is_given, here, 1));
     if (apart > greatest) {
       greatest = apart;
       r = here;
     }
   }
   if (!(greatest > 0.0)) return std::nullopt;
-  const double rest_v[2] = {drive_of(rest, wiring.argument_is_given, r, true),
-                            drive_of(rest, wiring.argument_is_given, r, false)};
+  const double rest_v[2] = {drive_of(rest, wiring.argument_is_given, r, 0),
+                            drive_of(rest, wiring.argument_is_given, r, 1)};
   // A hold in whose first third all is over was long enough.
   constexpr double kShortS = 3e-6, kLongS = 10e-6;
   const SwitchStep quick = change_of_branch(controller, at, r, rest_v, kShortS);
@@ -252,7 +251,7 @@ std::optional<SwitchStep> switch_step(const AnalogController& controller, const 
 
 }  // namespace
 
-LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
+LoopBias bias_of(const DisturbanceCircuit& controller, const LoopPoint& point) {
   const RestWiring wiring(controller);
   AtRest rest(wiring, schematic::Deviations::none(controller));
   LoopBias out;
@@ -260,12 +259,12 @@ LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
   rest.set_slope(out.slope_v);
   rest.set_stroke(point.stroke);
   const double argument = point.v / point.stroke;
-  const bool rising = point.branch == Disturbance::Branch::ascending;
-  out.position = rising ? 0 : 1;
+  const std::size_t branch = branch_index(point.branch);
+  out.position = static_cast<int>(branch);
   out.reference_v = point.v;
   if (wiring.argument_is_given)
-    out.reference_v = (point.v - rest.made(0.0, argument, rising)) / rest.reference_gain();
-  rest.made(out.reference_v, argument, rising);
+    out.reference_v = (point.v - rest.made(0.0, argument, branch)) / rest.reference_gain();
+  rest.made(out.reference_v, argument, branch);
   for (const schematic::Multiplier& m : wiring.generator.netlist().multipliers) {
     for (const std::string& node : {m.x, m.y, m.z, m.out})
       out.volts[node] = wiring.argument_is_given && node == "v" ? point.v : rest.volts(node);
@@ -278,13 +277,13 @@ LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
   return out;
 }
 
-std::complex<double> generator_loop_gain(const AnalogController& controller, const LoopPoint& point,
+std::complex<double> generator_loop_gain(const DisturbanceCircuit& controller, const LoopPoint& point,
                                          RadPerSecond w) {
   if (controller.form != Form::self_fed) return 0.0;
   return -cut_loop(controller, point).response(w, "v");
 }
 
-LoopStability loop_stability(const AnalogController& controller) {
+LoopStability loop_stability(const DisturbanceCircuit& controller) {
   LoopStability out;
   if (controller.opamp.is_ideal) return out;
   const std::vector<Hertz> grid = log_grid({Hertz{1e2}, Hertz{3e9}}, 120);
@@ -379,7 +378,7 @@ void require_stable(const LoopStability& loop, bool allowed) {
   throw DesignError(loop_warning(loop));
 }
 
-LoopStability checked_loop_stability(const AnalogController& controller) {
+LoopStability checked_loop_stability(const DisturbanceCircuit& controller) {
   LoopStability out = loop_stability(controller);
   if (out.at.empty()) return out;
   const std::vector<Hertz> grid = log_grid({Hertz{1e3}, Hertz{1e9}}, kGridPoints);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/documents/json_fwd.hpp"
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/controller/library.hpp"
 
 namespace bodesmith::controller {
 
@@ -70,9 +70,9 @@ constexpr double kGoodMarginDeg = 45.0, kLeastMarginDeg = 30.0;
 
 /// By the program's own network of the emitted parts: op-amps with their gain-bandwidth and output resistance,
 /// multipliers with one pole, the switch's resistances and capacitances. Nothing for ideal op-amps.
-LoopStability loop_stability(const AnalogController& controller);
+LoopStability loop_stability(const DisturbanceCircuit& controller);
 /// The same with ngspice beside it. Needs ngspice.
-LoopStability checked_loop_stability(const AnalogController& controller);
+LoopStability checked_loop_stability(const DisturbanceCircuit& controller);
 
 /// Where a loop rests at a point.
 struct LoopBias {
@@ -81,10 +81,10 @@ struct LoopBias {
   int position = 0;          ///< of the switch
   std::map<std::string, double> volts;
 };
-LoopBias bias_of(const AnalogController& controller, const LoopPoint& point);
+LoopBias bias_of(const DisturbanceCircuit& controller, const LoopPoint& point);
 
 /// The generator's loop at a point, -v for 1 V at what reads it, cut there; 0 where the generator is not fed by its drive.
-std::complex<double> generator_loop_gain(const AnalogController& controller, const LoopPoint& point,
+std::complex<double> generator_loop_gain(const DisturbanceCircuit& controller, const LoopPoint& point,
                                          RadPerSecond w);
 
 /// What to change when the margin is below kGoodMarginDeg; empty when it is not.

@@ -25,7 +25,7 @@ double rms_in_time_percent(const std::vector<double>& t, const std::vector<doubl
 
 }  // namespace
 
-std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
+std::vector<AsBuilt> measure_as_built(const DisturbanceCircuit& controller,
                                       const std::vector<Hertz>& frequencies,
                                       const tracking::Reference& reference, const NgspiceRun& options) {
   std::vector<AsBuilt> out;
@@ -47,7 +47,7 @@ std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
   return out;
 }
 
-std::vector<AsBuilt> predict_as_built(const AnalogController& controller,
+std::vector<AsBuilt> predict_as_built(const DisturbanceCircuit& controller,
                                       const tracking::Reference& reference) {
   std::vector<AsBuilt> out(controller.tracked.size());
   parallel_for(out.size(), thread_count(0), [&](std::size_t i) {

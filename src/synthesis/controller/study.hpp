@@ -5,7 +5,7 @@
 #include "base/documents/json_fwd.hpp"
 #include "schematic/netlist.hpp"
 #include "synthesis/controller/as_built.hpp"
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/controller/library.hpp"
 
 namespace bodesmith::controller {
 
@@ -19,12 +19,12 @@ struct AsBuilt {
   double wall_s = 0.0;            ///< of ngspice
 };
 
-std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
+std::vector<AsBuilt> measure_as_built(const DisturbanceCircuit& controller,
                                       const std::vector<Hertz>& frequencies,
                                       const tracking::Reference& reference = tracking::Reference(),
                                       const NgspiceRun& options = {});
 /// Without ngspice: the same chain in CVODE, at every tracked frequency.
-std::vector<AsBuilt> predict_as_built(const AnalogController& controller,
+std::vector<AsBuilt> predict_as_built(const DisturbanceCircuit& controller,
                                       const tracking::Reference& reference);
 /// The worst rms without lag; 0 for none.
 double worst_percent(const std::vector<AsBuilt>& cases);

@@ -7,12 +7,11 @@
 #include <functional>
 
 #include "base/text.hpp"
+#include "synthesis/generator/at_rest.hpp"
 #include "synthesis/generator/build.hpp"
 
 namespace bodesmith::generator {
 namespace {
-
-using schematic::Deviations;
 
 std::vector<double> points(int intervals) {
   std::vector<double> out;
@@ -42,7 +41,7 @@ using Curve = std::function<std::vector<double>(const Deviations&, size_t branch
 /// Spoils one thing after the other and notes how far d moves.
 class Budgeting {
  public:
-  Budgeting(const Layout& layout, Curve curve) : layout_(layout), curve_(std::move(curve)) {
+  Budgeting(const DisturbanceCircuit& layout, Curve curve) : layout_(layout), curve_(std::move(curve)) {
     const Deviations good = Deviations::none(layout);
     for (size_t b = 0; b < layout.branches.size(); ++b) good_.push_back(curve_(good, b));
   }
@@ -85,7 +84,7 @@ class Budgeting {
   std::vector<BudgetLine> lines;
 
  private:
-  const Layout& layout_;
+  const DisturbanceCircuit& layout_;
   Curve curve_;
   std::vector<std::vector<double>> good_;
 };
@@ -101,56 +100,24 @@ std::vector<double> root_of_squares(const std::vector<BudgetLine>& lines, size_t
 
 }  // namespace
 
-using schematic::Deviations;
-
-GeneratorAtRest::GeneratorAtRest(const Layout& layout)
-    : layout_(layout),
-      order_(layout.generator(),
-             layout.amplitude ? std::vector<std::string>{"x", "amplitude"} : std::vector<std::string>{"x"}) {}
-
-void GeneratorAtRest::visit(std::size_t branch, const std::vector<double>& x, double alpha,
-                            const Deviations& off,
-                            const std::function<void(double, const schematic::RestPoint&)>& each) const {
-  schematic::RestPoint rest(order_, off.of_part(order_.netlist(), layout_));
-  if (layout_.amplitude) rest.set(order_.node("amplitude"), alpha);
-  const int in = order_.node("x");
-  for (const double at : x) {
-    rest.set(in, at);
-    rest.settle(static_cast<int>(branch));
-    each(at, rest);
-  }
-}
-
-std::vector<double> GeneratorAtRest::curve(std::size_t branch, const std::vector<double>& x, double alpha,
-                                           const Deviations& off) const {
-  std::vector<double> d;
-  visit(branch, x, alpha, off, [&, out = order_.node("out")](double, const schematic::RestPoint& at) {
-    d.push_back(at.volts(out));
-  });
-  return d;
-}
-
-std::vector<double> GeneratorAtRest::curve(std::size_t branch, const std::vector<double>& x,
-                                           double alpha) const {
-  return curve(branch, x, alpha, Deviations::none(layout_));
-}
-
-Deviations multipliers_at_limit(const Layout& layout, const ErrorLimits& errors) {
+Deviations multipliers_at_limit(const DisturbanceCircuit& layout, const ErrorLimits& errors) {
   Deviations out = Deviations::none(layout);
   for (MultiplierDeviation& one : out.multiplier) one = errors.multiplier_at_limit();
   return out;
 }
 
-Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
+Budget make_budget(const DisturbanceCircuit& layout, const ErrorLimits& errors) {
   Budget out;
   out.errors = errors;
   const size_t branches = layout.branches.size();
   const std::vector<double> x = points(layout.amplitude ? 20 : 100);
-  const GeneratorAtRest generator(layout);
+  const RestWiring wiring(layout);
+  const AtRest good(wiring, Deviations::none(layout));
   Budgeting all(layout, [&](const Deviations& off, size_t b) {
     std::vector<double> d;
+    const AtRest copy(wiring, off, &good);
     for (const double alpha : layout.strokes()) {
-      const std::vector<double> one = generator.curve(b, x, alpha, off);
+      const std::vector<double> one = curve(copy, b, x, alpha);
       d.insert(d.end(), one.begin(), one.end());
     }
     return d;
@@ -178,7 +145,7 @@ Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
   return out;
 }
 
-void add_nodes(Layout& layout) {
+void add_nodes(DisturbanceCircuit& layout) {
   std::vector<NodeRange> nodes = {{"x", "reference, 1 V is full stroke"}};
   for (const Multiplier& one : layout.multipliers) nodes.push_back({one.out, one.role});
   for (const schematic::OpAmp& one : layout.opamps) {
@@ -190,17 +157,19 @@ void add_nodes(Layout& layout) {
   }
   if (layout.switched()) nodes.push_back({"sw", "behind the branch switch"});
   nodes.push_back({"out", "d(x), 1 V per unit"});
-  const GeneratorAtRest generator(layout);
+  const RestWiring wiring(layout);
+  AtRest at(wiring, Deviations::none(layout));
   for (std::size_t b = 0; b < layout.branches.size(); ++b) {
     for (const double alpha : layout.strokes()) {
-      generator.visit(b, points(100), alpha, Deviations::none(layout),
-                      [&](double, const schematic::RestPoint& at) {
-                        for (NodeRange& one : nodes) {
-                          const double volts = at.volts(one.name) + 0.0;  // no "-0.0" in the files
-                          one.lowest_v = std::min(one.lowest_v, volts);
-                          one.highest_v = std::max(one.highest_v, volts);
-                        }
-                      });
+      at.set_stroke(alpha);
+      for (const double x : points(100)) {
+        at.made(0.0, x, b);
+        for (NodeRange& one : nodes) {
+          const double volts = at.volts(one.name) + 0.0;  // no "-0.0" in the files
+          one.lowest_v = std::min(one.lowest_v, volts);
+          one.highest_v = std::max(one.highest_v, volts);
+        }
+      }
     }
   }
   layout.nodes = std::move(nodes);

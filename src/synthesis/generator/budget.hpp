@@ -1,11 +1,9 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "schematic/analysis/rest_point.hpp"
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/circuit.hpp"
 
 namespace bodesmith::generator {
 
@@ -44,26 +42,8 @@ struct Budget {
 };
 
 /// Every multiplier with all its departures at their limits.
-schematic::Deviations multipliers_at_limit(const Layout& layout, const ErrorLimits& errors);
+schematic::Deviations multipliers_at_limit(const DisturbanceCircuit& layout, const ErrorLimits& errors);
 
-Budget make_budget(const Layout& layout, const ErrorLimits& errors = {});
-
-/// The generator at rest: d(x) of a layout's own netlist. Deviations are by place in the layout's lists.
-class GeneratorAtRest {
- public:
-  explicit GeneratorAtRest(const Layout& layout);
-
-  /// d at each x, of the stroke alpha where there are amplitude gains.
-  std::vector<double> curve(std::size_t branch, const std::vector<double>& x, double alpha,
-                            const schematic::Deviations& off) const;
-  std::vector<double> curve(std::size_t branch, const std::vector<double>& x, double alpha = 1.0) const;
-  /// The voltages of some nodes at x of a branch; made for many x.
-  void visit(std::size_t branch, const std::vector<double>& x, double alpha, const schematic::Deviations& off,
-             const std::function<void(double x, const schematic::RestPoint& at)>& each) const;
-
- private:
-  const Layout& layout_;
-  schematic::RestOrder order_;
-};
+Budget make_budget(const DisturbanceCircuit& layout, const ErrorLimits& errors = {});
 
 }  // namespace bodesmith::generator

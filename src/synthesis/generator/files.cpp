@@ -17,10 +17,10 @@ Json multiplier_json(const Multiplier& m) {
           {"z", m.z},       {"w", m.out},     {"peak_v", m.peak_v}};
 }
 
-Json amplitude_json(const Layout& layout) {
+Json amplitude_json(const DisturbanceCircuit& layout) {
   const AmplitudeControl& a = *layout.amplitude;
   Json out = {{"alpha", a.alpha}, {"gains", a.wanted}, {"at_rest", Json::array()}};
-  for (const BranchGain& one : a.gains) out["at_rest"].push_back(one.at_rest);
+  for (const Branch& one : layout.branches) out["at_rest"].push_back(one.amplitude.at_rest);
   out["gain_multipliers"] = Json::array();
   for (const int m : a.multipliers)
     out["gain_multipliers"].push_back(multiplier_json(layout.multipliers[static_cast<std::size_t>(m)]));
@@ -28,7 +28,7 @@ Json amplitude_json(const Layout& layout) {
   return out;
 }
 
-Json switch_json(const Layout& layout) {
+Json switch_json(const DisturbanceCircuit& layout) {
   Json out = {{"name", layout.analog_switch.name},
               {"on_ohm", layout.analog_switch.on_ohm},
               {"on_delay_s", layout.analog_switch.on_delay_s},
@@ -58,7 +58,7 @@ Json lines_json(const std::vector<BudgetLine>& lines) {
 
 }  // namespace
 
-Json to_json(const Layout& layout) {
+Json to_json(const DisturbanceCircuit& layout) {
   Json out;
   out["multiplier"] = {{"name", layout.multiplier.name},
                        {"scale_v", layout.multiplier.scale_v},
@@ -178,7 +178,7 @@ Json transient_budget_json(const Timing& timing) {
   return out;
 }
 
-std::string codes_of(const Layout& layout) {
+std::string codes_of(const DisturbanceCircuit& layout) {
   std::vector<std::string> out;
   for (int select = 0; select < (1 << layout.select_lines()); ++select) {
     for (const bool rising : {true, false}) {
@@ -191,7 +191,7 @@ std::string codes_of(const Layout& layout) {
   return join(out, ", ");
 }
 
-std::vector<std::string> notes_of(const Layout& layout) {
+std::vector<std::string> notes_of(const DisturbanceCircuit& layout) {
   std::vector<std::string> out = {fmt::format(
       "x: 1 V is full stroke; branch above 0.5 V: {}; out: 1 V is d = 1. {}", layout.branches[0].name,
       layout.amplitude ? "With the amplitude gains." : "Without the gain tables.")};
@@ -208,7 +208,7 @@ std::vector<std::string> notes_of(const Layout& layout) {
 
 }  // namespace
 
-Json to_json(const Layout& layout, const Budget& budget, const Timing& timing) {
+Json to_json(const DisturbanceCircuit& layout, const Budget& budget, const Timing& timing) {
   Json out = to_json(layout);
   out["budget"] = to_json(budget);
   if (!layout.switched()) return out;
@@ -217,17 +217,17 @@ Json to_json(const Layout& layout, const Budget& budget, const Timing& timing) {
   return out;
 }
 
-std::string disturbance_name(const Layout& layout) {
+std::string disturbance_name(const DisturbanceCircuit& layout) {
   return layout.amplitude ? "disturbance_amplitude" : "disturbance";
 }
 
-std::string disturbance_pins(const Layout& layout) {
+std::string disturbance_pins(const DisturbanceCircuit& layout) {
   std::string out = "x branch";
   for (int line = 1; line <= layout.select_lines(); ++line) out += fmt::format(" select{}", line);
   return out + (layout.amplitude ? " amplitude out" : " out");
 }
 
-std::string disturbance_library(const Layout& layout, const std::string& title,
+std::string disturbance_library(const DisturbanceCircuit& layout, const std::string& title,
                                 const std::optional<ErrorLimits>& errors) {
   schematic::SpiceLibrary out;
   out.title = title;
@@ -251,7 +251,7 @@ std::string disturbance_library(const Layout& layout, const std::string& title,
   return schematic::spice_text(out, {.off = errors ? &off : nullptr});
 }
 
-void add_libraries(const Layout& layout, const std::string& title, OutputSet& out,
+void add_libraries(const DisturbanceCircuit& layout, const std::string& title, OutputSet& out,
                    const std::filesystem::path& folder) {
   if (layout.of_full_strokes) add_libraries(*layout.of_full_strokes, title, out, folder);
   out.add(folder / (disturbance_name(layout) + ".sub"), disturbance_library(layout, title));
@@ -259,7 +259,7 @@ void add_libraries(const Layout& layout, const std::string& title, OutputSet& ou
 
 namespace {
 
-kicad::SheetOptions sheet_of(const Layout& layout, const std::string& title) {
+kicad::SheetOptions sheet_of(const DisturbanceCircuit& layout, const std::string& title) {
   return {.stem = "layout",
           .title = title,
           .comment = fmt::format("bodesmith {}; op-amps {}", kVersion, layout.opamp.name),
@@ -269,11 +269,12 @@ kicad::SheetOptions sheet_of(const Layout& layout, const std::string& title) {
 
 }  // namespace
 
-std::string layout_svg(const Layout& layout, const std::string& title) {
+std::string layout_svg(const DisturbanceCircuit& layout, const std::string& title) {
   return kicad::netlist_svg(layout, sheet_of(layout, title));
 }
 
-void add_layout_files(const Layout& layout, const std::string& title, const Json& json, OutputSet& out) {
+void add_layout_files(const DisturbanceCircuit& layout, const std::string& title, const Json& json,
+                      OutputSet& out) {
   out.add("layout.json", to_text(json));
   add_libraries(layout, title, out);
   out.add("parts.csv", schematic::parts_csv(layout));

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "synthesis/generator/at_rest.hpp"
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/build.hpp"
 
@@ -39,7 +40,7 @@ void check(const Input& input, const Options& options) {
   }
 }
 
-void warn_when_slow(Layout& layout, Hertz highest) {
+void warn_when_slow(DisturbanceCircuit& layout, Hertz highest) {
   for (const Candidate& one : layout.candidates) {
     if (one.chosen && one.bandwidth.value < Scheme::kBandwidthRatio * highest.value) {
       layout.warnings.push_back(fmt::format(
@@ -51,15 +52,16 @@ void warn_when_slow(Layout& layout, Hertz highest) {
 }
 
 /// By the parts, at rest.
-void find_amplitude_error(Layout& layout) {
-  const GeneratorAtRest generator(layout);
+void find_amplitude_error(DisturbanceCircuit& layout) {
+  const RestWiring wiring(layout);
+  const AtRest rest(wiring, Deviations::none(layout));
   AmplitudeControl& a = *layout.amplitude;
   std::vector<double> x;
   for (int i = 0; i <= 50; ++i) x.push_back(i / 50.0);
   for (std::size_t b = 0; b < layout.branches.size(); ++b) {
     for (int i = 1; i <= 100; ++i) {
       const double alpha = i / 100.0 * std::max(1.0, a.alpha.back());
-      const std::vector<double> d = generator.curve(b, x, alpha);
+      const std::vector<double> d = curve(rest, b, x, alpha);
       for (std::size_t k = 0; k < x.size(); ++k)
         a.max_error_percent =
             std::max(a.max_error_percent, 100.0 * std::abs(d[k] - layout.wanted(b, x[k], alpha)));
@@ -67,7 +69,7 @@ void find_amplitude_error(Layout& layout) {
   }
 }
 
-Candidate measure(const Layout& layout, int group, int degree) {
+Candidate measure(const DisturbanceCircuit& layout, int group, int degree) {
   Candidate out;
   out.group = group;
   out.name = group >= degree ? "shared powers" : (group == 1 ? "Horner" : fmt::format("x^{} (…)", group));
@@ -89,7 +91,7 @@ Candidate measure(const Layout& layout, int group, int degree) {
 
 }  // namespace
 
-Layout make_layout(const Input& input, const Options& options) {
+DisturbanceCircuit make_layout(const Input& input, const Options& options) {
   check(input, options);
   const Input full_strokes{input.branches, {}};
   const std::vector<Candidate> candidates = compare_schemes(full_strokes, options);
@@ -97,21 +99,22 @@ Layout make_layout(const Input& input, const Options& options) {
       std::find_if(candidates.begin(), candidates.end(), [](const Candidate& one) { return one.chosen; });
   const auto made = [&](const Input& which) {
     // Asked for, but it cannot be made: building it says why.
-    Layout out = build(which, options, chosen == candidates.end() ? options.scheme.group : chosen->group);
+    DisturbanceCircuit out =
+        Builder(which, options, chosen == candidates.end() ? options.scheme.group : chosen->group).build();
     out.candidates = candidates;
     warn_when_slow(out, options.highest);
     add_nodes(out);
     return out;
   };
-  Layout out = made(input);
+  DisturbanceCircuit out = made(input);
   if (out.amplitude) {
     find_amplitude_error(out);
-    out.of_full_strokes = std::make_shared<const Layout>(made(full_strokes));
+    out.of_full_strokes = std::make_shared<const DisturbanceCircuit>(made(full_strokes));
   }
   return out;
 }
 
-Layout make_layout(const Disturbance& disturbance, const Options& options) {
+DisturbanceCircuit make_layout(const Disturbance& disturbance, const Options& options) {
   return make_layout(Input::of(disturbance), options);
 }
 
@@ -191,12 +194,12 @@ std::vector<Candidate> compare_schemes(const Input& input, const Options& option
   std::vector<Candidate> out;
   for (int group = most; group >= 1; --group) {
     try {
-      out.push_back(measure(build(input, exact, group), group, most));
+      out.push_back(measure(Builder(input, exact, group).build(), group, most));
     } catch (const DesignError&) {
       // This split cannot be made; if none can, or it was asked for, building it says why.
     }
   }
-  if (out.empty()) build(input, exact, most);  // throws the reason
+  if (out.empty()) Builder(input, exact, most).build();  // throws the reason
   const int asked = std::min(options.scheme.group, most);
   if (options.scheme.group != Scheme::kAutomatic) {
     for (Candidate& one : out) one.chosen = one.group == asked;

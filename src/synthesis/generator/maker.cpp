@@ -167,7 +167,7 @@ void GeneratorMaker::reference() {
 }
 
 /// One rectifier a corner: -max(0, s_k - s). They rest above their corner, so that beyond the last one the gain is held.
-void GeneratorMaker::build_curve(const GainCurve& curve, std::span<BranchGain> gains) {
+void GeneratorMaker::build_curve(const GainCurve& curve, const std::vector<BranchGain*>& gains) {
   reference();
   enter(curve.what + " curve", curve.corners);
   double low_v = kReferenceV;
@@ -186,7 +186,7 @@ void GeneratorMaker::build_curve(const GainCurve& curve, std::span<BranchGain> g
               (low ? low_v : kReferenceV) / curve.corner_v[k]);
   }
   for (std::size_t b = 0; b < gains.size(); ++b) {
-    if (curve.varies(b)) gains[b].control = control(curve, b, gains[b]);
+    if (curve.varies(b)) gains[b]->control = control(curve, b, *gains[b]);
   }
 }
 

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
 #include "synthesis/parts/netlist_maker.hpp"
 
-/// What the disturbance generator is made of, open (layout.hpp) and closed on its own drive (synthesis/controller): powers and
+/// What the disturbance generator is made of, open and closed on its own drive (circuit.hpp): powers and
 /// weighted sums, gains that follow a voltage, the sign of a slope.
 namespace bodesmith::generator {
 
@@ -98,7 +97,7 @@ class GeneratorMaker : public synthesis::NetlistMaker {
   Inverter invert(const std::string& role, const std::string& from, const std::string& to);
   void reference();
   /// Rectifiers and control voltages of the gains that vary.
-  void build_curve(const GainCurve& curve, std::span<BranchGain> gains);
+  void build_curve(const GainCurve& curve, const std::vector<BranchGain*>& gains);
   /// The node behind a branch's gain; `node` itself where it does not vary.
   std::string vary(const GainCurve& curve, const BranchGain& gain, std::size_t branch,
                    const std::string& node, const std::string& tail, double peak_v);

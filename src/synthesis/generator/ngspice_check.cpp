@@ -8,9 +8,9 @@
 #include "base/documents/json.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/decks/dialect.hpp"
-#include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/at_rest.hpp"
+#include "synthesis/generator/circuit.hpp"
 #include "synthesis/generator/files.hpp"
-#include "synthesis/generator/layout.hpp"
 #include "synthesis/generator/timing.hpp"
 
 namespace bodesmith::generator {
@@ -23,7 +23,7 @@ using ngspice::Transient;
 using synthesis::triangle_points;
 
 /// The library, sources for the select lines and the stroke, the generator.
-std::string deck_of(const Layout& layout, const std::string& library, int select, double alpha) {
+std::string deck_of(const DisturbanceCircuit& layout, const std::string& library, int select, double alpha) {
   std::string out = library;
   for (int line = 0; line < layout.select_lines(); ++line)
     out += fmt::format("Vs{0} select{0} 0 {1}\n", line + 1, (select >> line) & 1);
@@ -31,7 +31,7 @@ std::string deck_of(const Layout& layout, const std::string& library, int select
   return out + fmt::format("X1 {} {}\n", disturbance_pins(layout), disturbance_name(layout));
 }
 
-std::vector<double> sweep_branch(const Layout& layout, const std::string& library, size_t branch,
+std::vector<double> sweep_branch(const DisturbanceCircuit& layout, const std::string& library, size_t branch,
                                  double alpha, std::vector<double>& x) {
   // The select code and the slope that reach a branch.
   const std::string deck = "static\n.options reltol=1e-6\n" +
@@ -43,7 +43,7 @@ std::vector<double> sweep_branch(const Layout& layout, const std::string& librar
 }
 
 /// The strokes that are looked at, the middles between them and half the least.
-std::vector<double> swept_strokes(const Layout& layout) {
+std::vector<double> swept_strokes(const DisturbanceCircuit& layout) {
   std::vector<double> out = layout.strokes();
   if (!layout.amplitude) return out;
   const std::vector<double> table = out;
@@ -52,8 +52,8 @@ std::vector<double> swept_strokes(const Layout& layout) {
   return out;
 }
 
-void check_static(const Layout& layout, const ErrorLimits& errors, DisturbanceCheck& out) {
-  const GeneratorAtRest generator(layout);
+void check_static(const DisturbanceCircuit& layout, const ErrorLimits& errors, DisturbanceCheck& out) {
+  const RestWiring wiring(layout);
   const auto most = [](double& greatest, double value) {
     greatest = std::max(greatest, 100.0 * std::abs(value));
   };
@@ -62,7 +62,7 @@ void check_static(const Layout& layout, const ErrorLimits& errors, DisturbanceCh
                            double& against_program) {
     std::vector<double> x;
     const std::vector<double> v = sweep_branch(layout, library, b, alpha, x);
-    const std::vector<double> predicted = generator.curve(b, x, alpha, off);
+    const std::vector<double> predicted = curve(AtRest(wiring, off), b, x, alpha);
     for (size_t i = 0; i < x.size(); ++i) {
       const double wanted = layout.wanted(b, x[i], alpha);
       most(percent, v[i] - wanted);
@@ -83,8 +83,8 @@ void check_static(const Layout& layout, const ErrorLimits& errors, DisturbanceCh
 }
 
 /// Two periods of a triangle through the slope detector; the second is judged.
-DisturbanceCheck::Dynamic check_triangle(const Layout& layout, const std::string& library, Hertz f,
-                                         double alpha = 1.0) {
+DisturbanceCheck::Dynamic check_triangle(const DisturbanceCircuit& layout, const std::string& library,
+                                         Hertz f, double alpha = 1.0) {
   const double period = 1.0 / f.value;
   const std::string deck = "triangle\n" + deck_of(layout, library, 0, alpha) + "Vx x 0 PWL(" +
                            triangle_points(f.value) + ")\nXs x branch slope_detector\n";
@@ -109,7 +109,7 @@ DisturbanceCheck::Dynamic check_triangle(const Layout& layout, const std::string
 }
 
 /// x at rest where the first branch is greatest, the branch line stepped from the first to the second.
-DisturbanceCheck::Change check_change(const Layout& layout, const std::string& library) {
+DisturbanceCheck::Change check_change(const DisturbanceCircuit& layout, const std::string& library) {
   DisturbanceCheck::Change out;
   double held = 0.0;
   for (int i = 0; i <= 100; ++i) {
@@ -141,7 +141,7 @@ DisturbanceCheck::Change check_change(const Layout& layout, const std::string& l
 
 }  // namespace
 
-DisturbanceCheck check_disturbance(const Layout& layout, const std::vector<Hertz>& triangles,
+DisturbanceCheck check_disturbance(const DisturbanceCircuit& layout, const std::vector<Hertz>& triangles,
                                    const ErrorLimits& errors) {
   const std::string library = disturbance_library(layout, "check");
   const std::string spoilt = disturbance_library(layout, "check", errors);

@@ -5,7 +5,7 @@
 
 #include "base/documents/json_fwd.hpp"
 #include "synthesis/generator/budget.hpp"
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/circuit.hpp"
 
 namespace bodesmith::generator {
 
@@ -42,7 +42,7 @@ struct DisturbanceCheck {
 
 /// Static sweeps of every branch, a triangle of 0 to 1 V at each frequency through the slope detector (with amplitude
 /// gains at the last one also at the table's middle stroke), one change of branch. Needs ngspice.
-DisturbanceCheck check_disturbance(const Layout& layout, const std::vector<Hertz>& triangles,
+DisturbanceCheck check_disturbance(const DisturbanceCircuit& layout, const std::vector<Hertz>& triangles,
                                    const ErrorLimits& errors = {});
 
 /// "ngspice" of layout.json.

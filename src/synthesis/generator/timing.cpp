@@ -6,18 +6,18 @@
 
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/analysis/response.hpp"
-#include "synthesis/generator/budget.hpp"
-#include "synthesis/generator/build.hpp"
+#include "synthesis/generator/at_rest.hpp"
 
 namespace bodesmith::generator {
 namespace {
 
-double hold_farad(const Layout& layout) {
+double hold_farad(const DisturbanceCircuit& layout) {
   return layout.analog_switch.drain_f * static_cast<double>(layout.branches.size());
 }
 
-double output_gain(const Layout& layout) {
-  return layout.part(layout.output_feedback).realised / layout.part(layout.output_input).realised;
+double output_gain(const DisturbanceCircuit& layout) {
+  return layout.part(layout.passes.back().output.feedback).realised /
+         layout.part(layout.passes.back().output.disturbance).realised;
 }
 
 SlopeDetectorFigures detector_figures(const SlopeDetector& detector, const std::vector<Hertz>& frequencies) {
@@ -50,18 +50,19 @@ SlopeDetectorFigures detector_figures(const SlopeDetector& detector, const std::
 }
 
 /// Lag of the signal path, s: multipliers in series, the slowest sum, the output amplifier.
-double lag_s(const Layout& layout) {
+double lag_s(const DisturbanceCircuit& layout) {
   for (const Candidate& one : layout.candidates) {
     if (one.chosen) return 1.0 / one.bandwidth.rad_s().value;
   }
   return 0.0;
 }
 
-SwitchFigures::Late late_figures(const Layout& layout, Hertz f, double delay_s, const ErrorLimits& errors) {
+SwitchFigures::Late late_figures(const DisturbanceCircuit& layout, Hertz f, double delay_s,
+                                 const ErrorLimits& errors) {
   SwitchFigures::Late out{.frequency = f, .delay_s = delay_s};
   const double period = 1.0 / f.value, lag = lag_s(layout);
   constexpr int kSteps = 4000;
-  const GeneratorAtRest generator(layout);
+  const RestWiring wiring(layout);
   const schematic::Deviations good = schematic::Deviations::none(layout),
                               limit = multipliers_at_limit(layout, errors);
   for (int select = 0; select < (1 << layout.select_lines()); ++select) {
@@ -82,8 +83,8 @@ SwitchFigures::Late late_figures(const Layout& layout, Hertz f, double delay_s, 
       first.push_back(std::fmod(t - delay_s + period, period) < 0.5 * period);
     }
     const auto errors_of = [&](const schematic::Deviations& off, double& rms, double* peak) {
-      const std::vector<double> a = generator.curve(static_cast<size_t>(up), x_late, 1.0, off);
-      const std::vector<double> d = generator.curve(static_cast<size_t>(down), x_late, 1.0, off);
+      const std::vector<double> a = curve(AtRest(wiring, off), static_cast<size_t>(up), x_late, 1.0);
+      const std::vector<double> d = curve(AtRest(wiring, off), static_cast<size_t>(down), x_late, 1.0);
       double sum = 0.0;
       for (size_t i = 0; i < x.size(); ++i) {
         const double error = 100.0 * ((first[i] ? a[i] : d[i]) - wanted[i]);
@@ -146,8 +147,8 @@ std::optional<double> SlopeDetector::delay_s(const std::function<double(double)>
   return at ? std::optional(*at - reversal_s) : std::nullopt;
 }
 
-double switch_glitch_v(const Layout& layout, double held_v, double charge_sign) {
-  const double tau = hold_farad(layout) * layout.part(layout.output_input).realised;
+double switch_glitch_v(const DisturbanceCircuit& layout, double held_v, double charge_sign) {
+  const double tau = hold_farad(layout) * layout.part(layout.passes.back().output.disturbance).realised;
   if (!(tau > 0.0) || layout.analog_switch.gap_s <= 0.0) return 0.0;
   const double gain = output_gain(layout);
   const double w = layout.opamp.gain_bandwidth.rad_s().value / (1.0 + gain);
@@ -165,7 +166,8 @@ double switch_glitch_v(const Layout& layout, double held_v, double charge_sign) 
   return out;
 }
 
-Timing make_timing(const Layout& layout, const std::vector<Hertz>& frequencies, const ErrorLimits& errors) {
+Timing make_timing(const DisturbanceCircuit& layout, const std::vector<Hertz>& frequencies,
+                   const ErrorLimits& errors) {
   Timing out;
   if (!layout.switched()) return out;
   const SwitchModel& model = layout.analog_switch;
@@ -174,7 +176,7 @@ Timing make_timing(const Layout& layout, const std::vector<Hertz>& frequencies, 
   SwitchFigures& s = out.analog_switch;
   s.opens_s = model.off_delay_s();
   s.closes_s = model.on_delay_s;
-  s.hold_s = hold_farad(layout) * layout.part(layout.output_input).realised;
+  s.hold_s = hold_farad(layout) * layout.part(layout.passes.back().output.disturbance).realised;
   s.charge_step_v = hold_farad(layout) > 0.0 ? model.charge_c / hold_farad(layout) : 0.0;
   double held = 0.0;
   for (const Branch& b : layout.branches) held = std::max(held, b.peak_v);

@@ -7,7 +7,7 @@
 
 #include "schematic/analysis/equations.hpp"
 #include "synthesis/generator/budget.hpp"
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/circuit.hpp"
 
 namespace bodesmith::generator {
 
@@ -59,14 +59,14 @@ struct Timing {
 };
 
 /// `frequencies` of the reference. Empty figures for a layout with one branch.
-Timing make_timing(const Layout& layout, const std::vector<Hertz>& frequencies,
+Timing make_timing(const DisturbanceCircuit& layout, const std::vector<Hertz>& frequencies,
                    const ErrorLimits& errors = {});
 
 /// Glitch at the output for a branch node at `held_v` when the switch opens, V: greatest departure from the
 /// output's value before. With tau = hold time, w = the output amplifier's closed-loop bandwidth,
 ///   y(t) = -(Rg/Rin) [ v0 w/(w - 1/tau) (exp(-t/tau) - exp(-w t)) - held (1 - exp(-w t)) ],
 /// v0 = held + injected charge/capacitance, t up to the gap, |y| at most the op-amp's slew rate times t.
-double switch_glitch_v(const Layout& layout, double held_v, double charge_sign);
+double switch_glitch_v(const DisturbanceCircuit& layout, double held_v, double charge_sign);
 
 /// The slope detector of a disturbance generator or a controller: Rs and Cd into an op-amp with Rd, Cf and two antiparallel
 /// diodes around it (node sc), then an op-amp as comparator with hysteresis (node so).

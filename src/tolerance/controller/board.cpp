@@ -8,7 +8,7 @@
 namespace bodesmith::tolerance {
 namespace {
 
-using controller::AnalogController;
+using generator::DisturbanceCircuit;
 
 constexpr int kNodes = 8;
 using Basis = std::array<std::array<double, kNodes>, kNodes>;
@@ -73,15 +73,15 @@ Input input_of(const tracking::Reference& reference, Hertz operating, std::size_
   return out;
 }
 
-Board::Board(const controller::RestWiring& wiring, const Copy& copy, const Board* like)
+Board::Board(const generator::RestWiring& wiring, const Copy& copy, const Board* like)
     : wiring_(wiring),
       off_(copy.off),
       rest_(wiring, copy.off, like != nullptr ? &like->rest_ : nullptr),
-      meter_(controller::SlopeMeterGains::of(wiring.controller, copy.off)) {
+      meter_(generator::SlopeMeterGains::of(wiring.circuit, copy.off)) {
   speed_ = std::max(1.0 + copy.speed, 0.05);
   timing_ = std::max(1.0 + copy.timing, 0.05);
   reference_gain_ = rest_.reference_gain();
-  const double top = std::max(wiring.controller.loop.greatest_drive, 1.0);
+  const double top = std::max(wiring.circuit.loop.greatest_drive, 1.0);
   middle_ = 0.5 * top;
   half_ = 0.5 * top + kRoomV;
   tabulate(true);
@@ -91,10 +91,10 @@ Board::Board(const controller::RestWiring& wiring, const Copy& copy, const Board
 
 void Board::tabulate(bool rising) {
   static const Basis basis = lagrange_basis();
-  const AnalogController& c = wiring_.controller;
-  const int index = rising ? 0 : 1;
+  const DisturbanceCircuit& c = wiring_.circuit;
+  const std::size_t index = rising ? 0 : 1;
   Branch& b = branch_[index];
-  const controller::BranchGain& rate = c.rate[index];
+  const generator::BranchGain& rate = c.branches[index].rate;
   double low = 0.0, high = 0.0;
   if (rate.control >= 0) {
     b.varies = true;
@@ -116,7 +116,7 @@ void Board::tabulate(bool rising) {
     for (int i = 0; i < kNodes; ++i) {
       const double x = middle_ + half_ * chebyshev_node(i);
       rest_.set_control(index, b.mid_c + (level - 1) * b.half_c);
-      const double made = wiring_.argument_is_given ? rest_.made(0.0, x, rising) : rest_.made(x, 0.0, rising);
+      const double made = wiring_.argument_is_given ? rest_.made(0.0, x, index) : rest_.made(x, 0.0, index);
       for (int k = 0; k < kTerms; ++k) {
         b.term[level][k] += made * basis[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
       }
@@ -127,7 +127,7 @@ void Board::tabulate(bool rising) {
 /// The switch's common node while both contacts are open: an opening contact leaves its charge on what holds the
 /// node, which discharges through the subtraction's input resistor until the other closes.
 double Board::open_node_f() const {
-  const AnalogController& c = wiring_.controller;
+  const DisturbanceCircuit& c = wiring_.circuit;
   const std::string& node = c.contacts.back().to;
   double out = 0.0;
   for (const schematic::Contact& one : c.contacts) out += one.to == node ? c.analog_switch.drain_f : 0.0;
@@ -140,22 +140,22 @@ double Board::open_node_f() const {
 }
 
 double Board::open_node_v() const {
-  return (wiring_.controller.analog_switch.charge_c + off_.switch_charge_c) / open_node_f();
+  return (wiring_.circuit.analog_switch.charge_c + off_.switch_charge_c) / open_node_f();
 }
 
 double Board::open_node_ohm() const {
-  return off_.value(wiring_.controller, wiring_.controller.passes.back().output.disturbance);
+  return off_.value(wiring_.circuit, wiring_.circuit.passes.back().output.disturbance);
 }
 
 double Board::open_node_s() const {
   const double tau = open_node_ohm() * open_node_f();
-  return tau * -std::expm1(-wiring_.controller.analog_switch.gap_s / tau);
+  return tau * -std::expm1(-wiring_.circuit.analog_switch.gap_s / tau);
 }
 
 /// Closed-loop lag of an op-amp: its noise gain over 2 pi GBW.
 void Board::set_delays() {
-  const AnalogController& c = wiring_.controller;
-  const controller::Pass& last = c.passes.back();
+  const DisturbanceCircuit& c = wiring_.circuit;
+  const generator::Pass& last = c.passes.back();
   const double per_gain = 1.0 / (2.0 * std::numbers::pi * c.opamp.gain_bandwidth.value * speed_);
   const double multiplier = 1.0 / (2.0 * std::numbers::pi * c.multiplier.bandwidth.value);
   output_s_ = c.opamp.is_ideal ? 0.0 : rest_.noise_gain(last.output.opamp) * per_gain;
@@ -172,7 +172,7 @@ std::vector<double> Board::slope_voltage(const Input& input) const {
   const std::size_t n = input.r.size();
   std::vector<double> out(n, 0.0);
   if (meter_.volts == 0.0) return out;
-  const controller::SlopeMeterGains& m = meter_;
+  const generator::SlopeMeterGains& m = meter_;
   double a = 0.0, b = 0.0, sn = 0.0;
   // Steps are of few lengths: what is left of a lag over one is worked out once for each.
   struct Left {
@@ -259,7 +259,7 @@ std::vector<double> Board::drive(const Input& input) const {
     if (sn[k] != last_sn) {
       last_sn = sn[k];
       if (meter_.volts != 0.0) rest_.set_slope(sn[k]);
-      for (const int b : {0, 1}) mix(branch_[b], rest_.control_v(b), p[b]);
+      for (std::size_t b = 0; b < 2; ++b) mix(branch_[b], rest_.control_v(b), p[b]);
     }
     const bool rising = input.to_turn[k] < delay ? !input.rising[k] : input.rising[k];
     const int b = rising ? 0 : 1;

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "synthesis/controller/at_rest.hpp"
+#include "synthesis/generator/at_rest.hpp"
 #include "tolerance/controller/errors.hpp"
 #include "tracking/reference.hpp"
 
@@ -22,12 +22,12 @@ struct Input {
 Input input_of(const tracking::Reference& reference, Hertz operating, std::size_t samples);
 
 /// One built copy as it behaves, fast: at every instant the generator is at rest (its voltages follow from
-/// controller::AtRest, tabulated once as polynomials of its argument), late by its amplifiers' delays; the slope meter and
+/// generator::AtRest, tabulated once as polynomials of its argument), late by its amplifiers' delays; the slope meter and
 /// its smoothing are filters of first order, the switch acts late. Tests solve the netlist at every sample for the same drive.
 class Board {
  public:
   /// `like`: another copy of the same wiring; where most parts are the same, this one is made several times quicker.
-  Board(const controller::RestWiring& wiring, const Copy& copy, const Board* like = nullptr);
+  Board(const generator::RestWiring& wiring, const Copy& copy, const Board* like = nullptr);
 
   /// v over one repeat in steady state.
   std::vector<double> drive(const Input& input) const;
@@ -56,16 +56,16 @@ class Board {
   void mix(const Branch& branch, double control_v, double out[kTerms]) const;
   double solve(double r, double rate, const Branch& branch, const double p[kTerms], double start) const;
 
-  const controller::RestWiring& wiring_;
+  const generator::RestWiring& wiring_;
   schematic::Deviations off_;
-  mutable controller::AtRest rest_;   ///< remembers how its blocks were solved: a board is one thread's
+  mutable generator::AtRest rest_;    ///< remembers how its blocks were solved: a board is one thread's
   Branch branch_[2];                  ///< rising, falling
   double middle_ = 0.5, half_ = 0.7;  ///< of the argument's range
   double reference_gain_ = 1.0;
   double output_s_ = 0.0;
   double speed_ = 1.0, timing_ = 1.0;
   double charge_area_ = 0.0;  ///< V s at v, of each change of the switch
-  controller::SlopeMeterGains meter_;
+  generator::SlopeMeterGains meter_;
 };
 
 }  // namespace bodesmith::tolerance

@@ -5,7 +5,7 @@
 namespace bodesmith::tolerance {
 namespace {
 
-using controller::AnalogController;
+using generator::DisturbanceCircuit;
 using schematic::MultiplierDeviation;
 
 /// Normal numbers are cut here, in standard deviations; the cut leaves 98.66 % of the deviation.
@@ -13,7 +13,7 @@ constexpr double kCut = 3.0;
 
 class Collector {
  public:
-  Collector(const AnalogController& c, const PartErrors& e) : c_(c), e_(e) {}
+  Collector(const DisturbanceCircuit& c, const PartErrors& e) : c_(c), e_(e) {}
 
   std::vector<Cause> run() {
     for (std::size_t i = 0; i < c_.multipliers.size(); ++i) multiplier(i);
@@ -82,7 +82,7 @@ class Collector {
             [i](Copy& copy, double value) { copy.off.part[i] += value; });
   }
 
-  const AnalogController& c_;
+  const DisturbanceCircuit& c_;
   const PartErrors& e_;
   std::vector<Cause> out_;
 };
@@ -127,7 +127,7 @@ std::optional<std::string> PartErrors::set(const std::string& name, double to) {
   return "is not known" + did_you_mean(name, known) + ", expected one of " + join(known, ", ");
 }
 
-std::vector<Cause> causes_of(const AnalogController& controller, const PartErrors& errors) {
+std::vector<Cause> causes_of(const DisturbanceCircuit& controller, const PartErrors& errors) {
   return Collector(controller, errors).run();
 }
 
@@ -138,7 +138,7 @@ std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t 
   return out;
 }
 
-Copy copy_of(const AnalogController& controller, const std::vector<Cause>& causes,
+Copy copy_of(const DisturbanceCircuit& controller, const std::vector<Cause>& causes,
              const std::vector<double>& values) {
   Copy out;
   out.off = schematic::Deviations::none(controller);

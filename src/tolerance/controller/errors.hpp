@@ -8,7 +8,7 @@
 
 #include "base/documents/document.hpp"
 #include "schematic/netlist.hpp"
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/generator/circuit.hpp"
 #include "tolerance/departure.hpp"
 
 namespace bodesmith::tolerance {
@@ -58,11 +58,11 @@ struct Cause {
 };
 
 /// Every part of the controller, in the order of the description.
-std::vector<Cause> causes_of(const controller::AnalogController& controller, const PartErrors& errors);
+std::vector<Cause> causes_of(const generator::DisturbanceCircuit& controller, const PartErrors& errors);
 
 /// Values of all causes for copy number `sample`.
 std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t seed, std::uint64_t sample);
-Copy copy_of(const controller::AnalogController& controller, const std::vector<Cause>& causes,
+Copy copy_of(const generator::DisturbanceCircuit& controller, const std::vector<Cause>& causes,
              const std::vector<double>& values);
 
 }  // namespace bodesmith::tolerance

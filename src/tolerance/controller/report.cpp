@@ -73,7 +73,7 @@ Json study_json(const ControllerReport& report) {
           {"explained_by_shares", study.explained}};
 }
 
-Json trim_json(const ControllerReport& report, const controller::AnalogController& controller) {
+Json trim_json(const ControllerReport& report, const generator::DisturbanceCircuit& controller) {
   const TrimStudy& trims = report.trims;
   Json steps = Json::array();
   for (const TrimStep& step : trims.steps) {
@@ -107,8 +107,8 @@ std::string moves_text(const TrimStep& step) {
   return fmt::format("{} mV", rounded_text(1e3 * std::abs(2.0 * step.range * step.volts_per_setting), 2));
 }
 
-Json expected_points(const controller::AnalogController& controller) {
-  const controller::RestWiring wiring(controller);
+Json expected_points(const generator::DisturbanceCircuit& controller) {
+  const generator::RestWiring wiring(controller);
   const Board board(wiring, copy_of(controller, {}, {}));
   Json out = Json::array();
   for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {
@@ -121,11 +121,11 @@ Json expected_points(const controller::AnalogController& controller) {
 
 }  // namespace
 
-double examined_stroke(const controller::AnalogController& controller, double asked) {
+double examined_stroke(const generator::DisturbanceCircuit& controller, double asked) {
   return controller.stroke ? 1.0 : asked;
 }
 
-ControllerReport examine(const controller::AnalogController& controller, const tracking::Stage& stage,
+ControllerReport examine(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
                          const ControllerReportOptions& options) {
   const Stopwatch watch;
   ControllerReport out;
@@ -180,13 +180,13 @@ std::string draws_csv(const Study& study) {
   return out;
 }
 
-Json to_json(const ControllerReport& report, const controller::AnalogController& controller) {
+Json to_json(const ControllerReport& report, const generator::DisturbanceCircuit& controller) {
   Json out = {{"errors_of_parts", study_json(report)}, {"trim", trim_json(report, controller)}};
   if (!report.loop.at.empty()) out["stability"] = controller::to_json(report.loop);
   return out;
 }
 
-std::string trim_page(const ControllerReport& report, const controller::AnalogController& controller,
+std::string trim_page(const ControllerReport& report, const generator::DisturbanceCircuit& controller,
                       const std::string& title) {
   const TrimStudy& trims = report.trims;
   const Hertz fastest = report.study.frequencies.back();
@@ -223,7 +223,7 @@ std::string trim_page(const ControllerReport& report, const controller::AnalogCo
   data["rates"] = controller.slope.has_value();
   if (controller.slope) {
     const Reading slope{Reading::Kind::slope, 0.0};
-    const controller::RestWiring wiring(controller);
+    const generator::RestWiring wiring(controller);
     const Board board(wiring, copy_of(controller, {}, {}));
     const Input input = input_of(tracking::Reference(), fastest, 256);
     data["slope_words"] = slope.words(controller, fastest);

@@ -28,16 +28,16 @@ struct ControllerReportOptions {
 };
 
 /// The stroke at which a controller's parts are examined: with amplitude gains the full one, at which trims are read too.
-double examined_stroke(const controller::AnalogController& controller, double asked);
+double examined_stroke(const generator::DisturbanceCircuit& controller, double asked);
 
 /// DesignError as require_stable().
-ControllerReport examine(const controller::AnalogController& controller, const tracking::Stage& stage,
+ControllerReport examine(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
                          const ControllerReportOptions& options);
 
 /// Three keys for controller.json: `errors_of_parts`, `trim`, `stability`.
-Json to_json(const ControllerReport& report, const controller::AnalogController& controller);
+Json to_json(const ControllerReport& report, const generator::DisturbanceCircuit& controller);
 /// For a person at the bench: the steps with the expected readings of this very design (trim.md).
-std::string trim_page(const ControllerReport& report, const controller::AnalogController& controller,
+std::string trim_page(const ControllerReport& report, const generator::DisturbanceCircuit& controller,
                       const std::string& title);
 /// A line each: spread, parts that matter, trims, stability.
 std::string summary_text(const ControllerReport& report);

@@ -12,7 +12,7 @@
 namespace bodesmith::tolerance {
 namespace {
 
-using controller::AnalogController;
+using generator::DisturbanceCircuit;
 
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
@@ -24,7 +24,7 @@ struct OneAtATime {
   std::vector<double> worst_rms;
 };
 
-OneAtATime one_at_a_time(const Bench& bench, const AnalogController& controller,
+OneAtATime one_at_a_time(const Bench& bench, const DisturbanceCircuit& controller,
                          const std::vector<Cause>& causes, int threads) {
   const Board nominal(bench.wiring(), copy_of(controller, {}, {}));
   std::vector<std::vector<double>> y;
@@ -87,7 +87,7 @@ ErrorSpread spread_of(std::vector<double> percent, double nominal) {
           percent.empty() ? 0.0 : percent.back()};
 }
 
-std::vector<double> switch_delays_s(const AnalogController& controller,
+std::vector<double> switch_delays_s(const DisturbanceCircuit& controller,
                                     const std::vector<Hertz>& frequencies) {
   std::vector<double> out(frequencies.size(), 0.0);
   for (std::size_t i = 0; i < out.size() && controller.switched(); ++i)
@@ -95,7 +95,7 @@ std::vector<double> switch_delays_s(const AnalogController& controller,
   return out;
 }
 
-Bench::Bench(const AnalogController& controller, const tracking::Stage& stage, const StudyOptions& options)
+Bench::Bench(const DisturbanceCircuit& controller, const tracking::Stage& stage, const StudyOptions& options)
     : wiring_(controller), stage_(stage), frequencies_(options.frequencies) {
   if (frequencies_.empty()) throw InputError("no frequency to track, expected at least one");
   const std::size_t samples = options.samples * options.reference.periods();
@@ -124,7 +124,7 @@ std::vector<double> Bench::errors_percent(const Board& board) const {
   return out;
 }
 
-Study study_errors(const AnalogController& controller, const tracking::Stage& stage,
+Study study_errors(const DisturbanceCircuit& controller, const tracking::Stage& stage,
                    const StudyOptions& options) {
   const Bench bench(controller, stage, options);
   const std::vector<Cause> causes = causes_of(controller, options.errors);
@@ -160,7 +160,7 @@ Study study_errors(const AnalogController& controller, const tracking::Stage& st
   return out;
 }
 
-std::vector<DrawCheck> check_draws(const controller::AnalogController& controller,
+std::vector<DrawCheck> check_draws(const generator::DisturbanceCircuit& controller,
                                    const tracking::Stage& stage, const StudyOptions& options, int count) {
   const Bench bench(controller, stage, options);
   const std::vector<Cause> causes = causes_of(controller, options.errors);
@@ -172,7 +172,7 @@ std::vector<DrawCheck> check_draws(const controller::AnalogController& controlle
     one.frequency = options.frequencies[f];
     const Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
     const Board board(bench.wiring(), copy);
-    controller::AnalogController built = controller;
+    generator::DisturbanceCircuit built = controller;
     for (schematic::OpAmpModel* type : {&built.opamp, &built.fast_opamp}) {
       type->gain_bandwidth.value *= 1.0 + copy.speed;
       type->slew_v_per_s *= 1.0 + copy.speed;

@@ -20,7 +20,7 @@ struct StudyOptions {
   std::vector<double> switch_delays_s = {};  ///< of the frequencies, where they are known
 };
 /// controller::switch_delay_s() of the triangle at each frequency; 0 without a switch.
-std::vector<double> switch_delays_s(const controller::AnalogController& controller,
+std::vector<double> switch_delays_s(const generator::DisturbanceCircuit& controller,
                                     const std::vector<Hertz>& frequencies);
 
 /// Tracking error (rms, percent of range, lag removed) of all copies at one frequency.
@@ -59,26 +59,26 @@ struct Study {
 /// The stage reads the drives that boards make. One for every thread to share: it keeps nothing.
 class Bench {
  public:
-  Bench(const controller::AnalogController& controller, const tracking::Stage& stage,
+  Bench(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
         const StudyOptions& options);
 
   std::vector<double> errors_percent(const Board& board) const;
   double error_percent(const Board& board, std::size_t frequency) const;
   /// y of the stage.
   std::vector<double> displacement(const Board& board, std::size_t frequency) const;
-  const controller::RestWiring& wiring() const { return wiring_; }
+  const generator::RestWiring& wiring() const { return wiring_; }
   const Input& input(std::size_t frequency) const { return inputs_[frequency]; }
   std::size_t frequencies() const { return inputs_.size(); }
 
  private:
-  controller::RestWiring wiring_;
+  generator::RestWiring wiring_;
   const tracking::Stage& stage_;
   std::vector<Hertz> frequencies_;
   std::vector<Input> inputs_;
 };
 
 /// Same seed, same figures, whatever the number of threads. InputError without frequencies.
-Study study_errors(const controller::AnalogController& controller, const tracking::Stage& stage,
+Study study_errors(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
                    const StudyOptions& options);
 
 /// One drawn copy at one frequency: the fast model beside ngspice on the netlist with those very deviations.
@@ -91,7 +91,7 @@ struct DrawCheck {
 };
 
 /// The first `count` draws, at the frequencies in turn. Needs ngspice.
-std::vector<DrawCheck> check_draws(const controller::AnalogController& controller,
+std::vector<DrawCheck> check_draws(const generator::DisturbanceCircuit& controller,
                                    const tracking::Stage& stage, const StudyOptions& options, int count);
 
 }  // namespace bodesmith::tolerance

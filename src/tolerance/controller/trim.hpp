@@ -19,7 +19,7 @@ struct Trim {
   std::function<void(Copy&, double setting)> apply;
 };
 /// Every trim of a controller, the usual ones first.
-std::vector<Trim> trims_of(const controller::AnalogController& controller);
+std::vector<Trim> trims_of(const generator::DisturbanceCircuit& controller);
 
 /// Something that is measured on the bench with a voltmeter.
 struct Reading {
@@ -32,7 +32,7 @@ struct Reading {
   };
   Kind kind = Kind::mean;
   double r = 0.0;  ///< V
-  std::string words(const controller::AnalogController& controller, Hertz fastest) const;
+  std::string words(const generator::DisturbanceCircuit& controller, Hertz fastest) const;
 };
 double read(const Reading& reading, const Board& board, const Input& fastest);
 
@@ -67,7 +67,7 @@ struct TrimStudy {
 /// error that is left when the readings are what they should be. Then trims every copy that `options` draws,
 /// blind: whoever turns knows the design's expected readings and sees noisy ones of the copy. `untrimmed`: what
 /// study_errors() found of the same copies, where that is known.
-TrimStudy study_trims(const controller::AnalogController& controller, const tracking::Stage& stage,
+TrimStudy study_trims(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
                       const StudyOptions& options, const TrimOptions& trims,
                       const Study* untrimmed = nullptr);
 

@@ -15,7 +15,7 @@ namespace {
 /// unit_setting) moves the tracking error's waveforms and the readings by.
 class TrimModel {
  public:
-  TrimModel(const controller::AnalogController& controller, const tracking::Stage& stage,
+  TrimModel(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
             const StudyOptions& options, double reading_noise_v);
 
   /// Trims with readings, in the order in which turning one after the other settles fastest. `foreseen`: share of
@@ -62,7 +62,7 @@ std::vector<Reading> all_readings(bool slope) {
   return out;
 }
 
-TrimModel::TrimModel(const controller::AnalogController& controller, const tracking::Stage& stage,
+TrimModel::TrimModel(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
                      const StudyOptions& options, double reading_noise_v)
     : trims_(trims_of(controller)),
       readings_(all_readings(controller.slope.has_value())),
@@ -336,7 +336,7 @@ double greatest(const std::vector<double>& values) {
 
 }  // namespace
 
-TrimStudy study_trims(const controller::AnalogController& controller, const tracking::Stage& stage,
+TrimStudy study_trims(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
                       const StudyOptions& options, const TrimOptions& trims, const Study* untrimmed) {
   TrimStudy out;
   const TrimModel model(controller, stage, options, trims.reading_noise_v);

@@ -6,7 +6,7 @@
 namespace bodesmith::tolerance {
 namespace {
 
-using controller::AnalogController;
+using generator::DisturbanceCircuit;
 
 /// Of the offset potentiometers, either side, V.
 constexpr double kOffsetRange = 30e-3;
@@ -23,7 +23,7 @@ std::string divided_down(double range) {
       ohm(2.5 / range * 100.0), ohm(100.0));
 }
 
-void add_multiplier_trims(const AnalogController& c, int index, std::vector<Trim>& out) {
+void add_multiplier_trims(const DisturbanceCircuit& c, int index, std::vector<Trim>& out) {
   const auto i = static_cast<std::size_t>(index);
   const schematic::Multiplier& m = c.multipliers[i];
   if (m.z == "0") {
@@ -42,7 +42,7 @@ void add_multiplier_trims(const AnalogController& c, int index, std::vector<Trim
                  [i](Copy& copy, double value) { copy.off.multiplier[i].x += value; }});
 }
 
-void add_part_trim(const AnalogController& c, int part, const std::string& name, double range,
+void add_part_trim(const DisturbanceCircuit& c, int part, const std::string& name, double range,
                    std::vector<Trim>& out) {
   if (part < 0) return;
   const auto i = static_cast<std::size_t>(part);
@@ -56,10 +56,10 @@ void add_part_trim(const AnalogController& c, int part, const std::string& name,
 
 }  // namespace
 
-std::vector<Trim> trims_of(const AnalogController& controller) {
-  const AnalogController& c = controller;
+std::vector<Trim> trims_of(const DisturbanceCircuit& controller) {
+  const DisturbanceCircuit& c = controller;
   std::vector<Trim> out;
-  const controller::Pass::Output& output = c.passes.back().output;
+  const generator::Pass::Output& output = c.passes.back().output;
   const auto opamp = static_cast<std::size_t>(output.opamp);
   const double feedback = c.part(output.feedback).realised;
   const double minus = 1.0 / (c.part(output.disturbance).realised + c.analog_switch.on_ohm);
@@ -73,14 +73,14 @@ std::vector<Trim> trims_of(const AnalogController& controller) {
        }});
   add_part_trim(c, output.feedback, "generator gain", 0.05, out);
   add_part_trim(c, output.reference, "reference gain", 0.01, out);
-  for (const controller::Pass& pass : c.passes) {
+  for (const generator::Pass& pass : c.passes) {
     for (const int power : pass.multipliers) add_multiplier_trims(c, power, out);
   }
   if (c.slope) add_part_trim(c, c.slope->gain, "rate gain", 0.05, out);
   return out;
 }
 
-std::string Reading::words(const AnalogController& controller, Hertz fastest) const {
+std::string Reading::words(const DisturbanceCircuit& controller, Hertz fastest) const {
   const std::string at = rounded_text(r, 3);
   switch (kind) {
     case Kind::rising:

@@ -1,4 +1,4 @@
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/generator/circuit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/controller/as_built.hpp"
-#include "synthesis/controller/at_rest.hpp"
-#include "synthesis/controller/library.hpp"
+#include "synthesis/controller/seed_controller.hpp"
 #include "synthesis/controller/study.hpp"
+#include "synthesis/generator/at_rest.hpp"
 #include "tolerance/controller/operating_point.hpp"
 
 namespace bodesmith::controller {
@@ -30,12 +30,12 @@ Disturbance first_seed() {
 }
 
 TEST(Controller, TheSelfFedFormNeedsNoMoreMultipliersThanTheSeeds) {
-  const AnalogController seed = [] {
-    Options options;
+  const DisturbanceCircuit seed = [] {
+    Options options(Form::self_fed);
     options.form = Form::one_pass;
     return make_controller(first_seed(), options);
   }();
-  const AnalogController fed = make_controller(first_seed());
+  const DisturbanceCircuit fed = make_controller(first_seed());
   EXPECT_EQ(fed.multipliers.size(), seed.multipliers.size());
   EXPECT_EQ(fed.multipliers.size(), 3u);  // x^2, x^3 and the gain of the one branch that changes
   EXPECT_NEAR(fed.loop.greatest_gain, 0.3958 * 1.17, 1e-3);
@@ -43,7 +43,7 @@ TEST(Controller, TheSelfFedFormNeedsNoMoreMultipliersThanTheSeeds) {
 
 TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
-  const AnalogController fed = make_controller(first_seed());
+  const DisturbanceCircuit fed = make_controller(first_seed());
   for (const double f : {1.0, 100.0}) {
     const tracking::TrackingError error =
         stage_error(fed, run_in_ngspice(fed, tracking::Reference(), Hertz{f}));
@@ -54,7 +54,7 @@ TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
 
 TEST(Controller, RunsOfManySettleAsWellAsAWholeRepeatAtFinerSteps) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
-  const AnalogController fed = make_controller(first_seed());
+  const DisturbanceCircuit fed = make_controller(first_seed());
   for (const double f : {1.0, 100.0, 4000.0}) {  // at the last what is slow takes whole repeats
     const SteadyState a = run_in_ngspice(fed, tracking::Reference(), Hertz{f});
     const SteadyState b = run_in_ngspice(fed, tracking::Reference(), Hertz{f}, NgspiceRun::of_many());
@@ -70,7 +70,7 @@ TEST(Controller, RunsOfManySettleAsWellAsAWholeRepeatAtFinerSteps) {
 
 TEST(Controller, TheNetlistInCvodeAgreesWithNgspice) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
-  const AnalogController fed = make_controller(first_seed());
+  const DisturbanceCircuit fed = make_controller(first_seed());
   const std::vector<AsBuilt> cases = measure_as_built(fed, {Hertz{40}, Hertz{5000}});
   EXPECT_LT(cases[0].cvode_difference_percent, 0.001);
   EXPECT_LT(cases[1].cvode_difference_percent, 0.02);
@@ -82,7 +82,7 @@ TEST(Controller, TheNetlistInCvodeAgreesWithNgspice) {
 TEST(Controller, CvodeAndNgspiceAgreeWhereTheDetectorIsSlowOrMissesTurns) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   using Shape = tracking::Reference::Shape;
-  const AnalogController fed = make_controller(first_seed());
+  const DisturbanceCircuit fed = make_controller(first_seed());
   for (const auto& [shape, stroke, f] : {std::tuple{Shape::decaying_triangle, 1.0, 1.0},
                                          {Shape::two_tone, 1.0, 1.0},
                                          {Shape::triangle, 0.5, 100.0}}) {
@@ -94,7 +94,7 @@ TEST(Controller, CvodeAndNgspiceAgreeWhereTheDetectorIsSlowOrMissesTurns) {
 // Its threshold is a fifth of the slope of a full stroke at the lowest frequency, that of the smallest way of this reference.
 TEST(Controller, TheDetectorIsLaidOutForTheSlowestWayOfItsReferences) {
   const tracking::Reference reference(tracking::Reference::Shape::decaying_triangle);
-  Options options;
+  Options options(Form::self_fed);
   options.tracked = {Hertz{1.0}};
   options.least_swing = reference.least_swing();
   const auto error = [&] {
@@ -110,9 +110,9 @@ TEST(AtRest, DeviationsActAsTheirFormulaSays) {
   Disturbance plain;  // without rate gains: v = r - d(v) from two sums
   plain.ascending = {0.3, -0.3, 0.0};
   plain.descending = {-0.2, 0.2, 0.0};
-  Options exact;
+  Options exact(Form::self_fed);
   exact.resistors = synthesis::Series::named("exact");
-  const AnalogController fed = make_controller(plain, exact);
+  const DisturbanceCircuit fed = make_controller(plain, exact);
   EXPECT_EQ(fed.multipliers.size(), 1u);  // x^2 alone
   const auto subtracted = [&](const Deviations& off, double x) {
     return BuiltGenerator(fed, off).subtracted(Disturbance::Branch::ascending, x);
@@ -134,8 +134,8 @@ TEST(AtRest, TheDivisionsPartsActAsAllEquationsAtOnceSay) {
   d.amplitude.alpha = {0.25, 0.5, 1.0};
   d.amplitude.ascending = {0.19, 0.43, 1.0};
   d.amplitude.descending = {0.21, 0.46, 1.0};
-  const AnalogController c = make_controller(d);
-  const AnalogController::Stroke::Division& at = c.stroke->divisions.at("v");
+  const DisturbanceCircuit c = make_controller(d);
+  const DisturbanceCircuit::Stroke::Division& at = c.stroke->divisions.at("v");
   Deviations off = Deviations::none(c);
   off.part[static_cast<std::size_t>(at.above)] = 0.01;
   off.opamp_offset_v[static_cast<std::size_t>(at.opamp)] = 1e-3;
@@ -148,12 +148,11 @@ TEST(AtRest, TheDivisionsPartsActAsAllEquationsAtOnceSay) {
   for (const double stroke : {0.5, 1.0}) {
     rest.set_slope(0.0);
     rest.set_stroke(stroke);
-    const double made = rest.made(0.0, 0.6, true);
+    const double made = rest.made(0.0, 0.6, 0);
     std::map<std::string, double> inputs = {{"r", 0.0}, {"al", stroke}, {kArgument, 0.6 * stroke}};
-    for (const BranchGain* gains : {c.rate, c.amplitude}) {
-      for (const int b : {0, 1})
-        if (gains[b].control >= 0)
-          inputs[c.op(gains[b].control).out] = rest.volts(c.op(gains[b].control).out);
+    for (const generator::Branch& b : c.branches) {
+      for (const int control : {b.rate.control, b.amplitude.control})
+        if (control >= 0) inputs[c.op(control).out] = rest.volts(c.op(control).out);
     }
     EXPECT_NEAR(schematic::operating_point(netlist, inputs, 0, off.of_part(netlist, c), inputs).at("v"), made,
                 1e-7)
@@ -163,9 +162,9 @@ TEST(AtRest, TheDivisionsPartsActAsAllEquationsAtOnceSay) {
 
 TEST(ControllerLibrary, EveryPartStandsInTheNetlistOnceWithItsNodesAndValue) {
   for (const Form form : {Form::one_pass, Form::two_pass, Form::self_fed}) {
-    Options options;
+    Options options(Form::self_fed);
     options.form = form;
-    const AnalogController built = make_controller(first_seed(), options);
+    const DisturbanceCircuit built = make_controller(first_seed(), options);
     const std::string text = controller_library(built, "test");
     const std::string top = text.substr(0, text.find(".ends controller"));
     std::map<std::string, std::vector<std::string>> lines;
@@ -211,7 +210,7 @@ Disturbance with_strokes() {
 
 TEST(Controller, PartialStrokesAreTrackedInNgspiceByTheAmplitudeGains) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
-  const AnalogController built = make_controller(with_strokes());
+  const DisturbanceCircuit built = make_controller(with_strokes());
   // x^2, x^3, one rate gain, two amplitude gains, two divisions.
   EXPECT_EQ(built.multipliers.size(), 7u);
   const auto triangle = [](double stroke) {
@@ -228,7 +227,7 @@ TEST(Controller, PartialStrokesAreTrackedInNgspiceByTheAmplitudeGains) {
 }
 
 TEST(Controller, AnotherStrokeCountsFromItsFirstPeakOn) {
-  const AnalogController built = make_controller(with_strokes());
+  const DisturbanceCircuit built = make_controller(with_strokes());
   // 50 Hz: a full stroke, a half one, two full ones.
   constexpr double kStrokes[] = {1.0, 0.5, 1.0, 1.0}, kPeriod = 0.02;
   const auto reference = [&](double t) {
@@ -257,7 +256,7 @@ TEST(Controller, AnotherStrokeCountsFromItsFirstPeakOn) {
 
 TEST(Controller, HoldsDroopInNgspiceAsTheControllerSays) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
-  const AnalogController built = make_controller(with_strokes());
+  const DisturbanceCircuit built = make_controller(with_strokes());
   const std::string deck = "controller\n" + controller_library(built, "controller") +
                            reference_sources(tracking::Reference(), Hertz{1.0}, 2) + "Xc r v controller\n";
   const ngspice::Transient run =
@@ -270,7 +269,7 @@ TEST(Controller, HoldsDroopInNgspiceAsTheControllerSays) {
 }
 
 TEST(Controller, GainsOverTheStrokeAreTheTablesAtRest) {
-  const AnalogController built = make_controller(with_strokes());
+  const DisturbanceCircuit built = make_controller(with_strokes());
   EXPECT_LT(built.max_error_percent, 0.05);
   BuiltGenerator at(built);
   at.set_rate(Hertz{60.0});
@@ -286,7 +285,7 @@ TEST(Controller, GainsOverTheStrokeAreTheTablesAtRest) {
 
 TEST(Controller, WhatIsNotTheStrokeWaitsADiodeBelowIt) {
   // At 1 Hz an op-amp that comes from its rail is half a millisecond late, and CVODE does not get past its arrival there.
-  const AnalogController built = make_controller(with_strokes());
+  const DisturbanceCircuit built = make_controller(with_strokes());
   schematic::InTime run(built, [](double t) { return 1.0 - std::abs(1.0 - 2.0 * t); }, {.input = "r"});
   run.begin(0.0);
   int steps = 0;
@@ -321,13 +320,13 @@ TEST(Controller, AmplitudeGainsThatLeaveNoInverseAreRefusedWithTheirStroke) {
   } catch (const DesignError& error) {
     EXPECT_NE(std::string(error.what()).find("of a stroke of 0.25"), std::string::npos) << error.what();
   }
-  Options full;
+  Options full(Form::self_fed);
   full.full_stroke = true;
   EXPECT_EQ(make_controller(wide, full).multipliers.size(), 3u);
 }
 
 TEST(RateCurve, IsTheTableAtItsFrequenciesAndHeldBeyondThem) {
-  const AnalogController fed = make_controller(first_seed());
+  const DisturbanceCircuit fed = make_controller(first_seed());
   const auto down = Disturbance::Branch::descending;
   for (const double f : {0.1, 1.0, 10.0, 20.0, 60.0, 100.0, 5000.0})
     EXPECT_NEAR(fed.curve->value(down, Hertz{f}), fed.disturbance.rate_gain(down, Hertz{f}), 1e-12) << f;

@@ -2,7 +2,7 @@
 
 #include "base/error.hpp"
 #include "schematic/writers/spice_library.hpp"
-#include "synthesis/controller/library.hpp"
+#include "synthesis/controller/seed_controller.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/generator/files.hpp"
 #include "synthesis/realise.hpp"
@@ -36,7 +36,7 @@ TEST(SpiceRoundTrip, Compensator) {
 }
 
 TEST(SpiceRoundTrip, Disturbance) {
-  const generator::Layout layout = generator::make_layout(of_amplitudes());
+  const generator::DisturbanceCircuit layout = generator::make_layout(of_amplitudes());
   expect_same_bytes(generator::disturbance_library(*layout.of_full_strokes, "two branches"));
   expect_same_bytes(generator::disturbance_library(layout, "amplitudes"));
   std::vector<generator::Polynomial> branches;
@@ -51,7 +51,7 @@ TEST(SpiceRoundTrip, Controller) {
   rates.rate.frequency = {Hertz{1}, Hertz{10}, Hertz{100}};
   rates.rate.ascending = {1, 1, 1};
   rates.rate.descending = {1, 1.1, 1.17};
-  const AnalogController controller = make_controller(rates);
+  const DisturbanceCircuit controller = make_controller(rates);
   expect_same_bytes(controller_library(controller, "whole"));
   LibraryOptions open;
   open.open = true;

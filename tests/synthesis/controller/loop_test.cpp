@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Loop, TheGeneratorsGainIsKTimesTheSlopeOfD) {
-  const AnalogController& c = seed_controller();
+  const DisturbanceCircuit& c = seed_controller();
   for (const auto branch : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
     for (const double v : {0.0, 0.4, 1.0}) {
       const LoopPoint point{branch, v, Hertz{100.0}, 1.0};
@@ -33,7 +33,7 @@ TEST(Loop, AtPartialStrokesItsGainIsKTimesGTimesTheSlopeOverTheStroke) {
   d.amplitude.alpha = {0.25, 0.5, 1.0};
   d.amplitude.ascending = {0.19, 0.43, 1.0};
   d.amplitude.descending = {0.3, 0.6, 1.0};
-  const AnalogController c = make_controller(d);
+  const DisturbanceCircuit c = make_controller(d);
   for (const auto branch : kBranches) {
     for (const double stroke : {0.25, 0.5, 1.0}) {
       const LoopPoint point{branch, 0.9 * stroke, Hertz{100.0}, 1.0, stroke};
@@ -79,7 +79,7 @@ TEST(Loop, NgspiceAndTheOwnNetworkAgree) {
 }
 
 TEST(Loop, ASlowHeavyOpAmpIsRefused) {
-  AnalogController bad = seed_controller();
+  DisturbanceCircuit bad = seed_controller();
   bad.opamp.output_resistance_ohm = 20e3;  // with the switch's capacitor behind it
   bad.opamp.gain_bandwidth = Hertz{50e6};
   const LoopStability loop = loop_stability(bad);
@@ -90,7 +90,7 @@ TEST(Loop, ASlowHeavyOpAmpIsRefused) {
 }
 
 TEST(Loop, FormsWithoutALoopAndIdealOpAmps) {
-  Options options;
+  Options options(Form::self_fed);
   options.form = Form::two_pass;
   const auto two = make_controller(seed_disturbance(), options);
   EXPECT_EQ(loop_stability(two).greatest_gain, 0.0);

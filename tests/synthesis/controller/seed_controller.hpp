@@ -1,8 +1,12 @@
 #pragma once
 
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/controller/library.hpp"
 
 namespace bodesmith::controller {
+
+using generator::BuiltGenerator;
+using generator::make_controller;
+using generator::Options;
 
 /// The disturbance of examples/nanopositioner.
 inline Disturbance seed_disturbance() {
@@ -21,9 +25,9 @@ inline std::vector<Hertz> seed_frequencies() {
   return out;
 }
 
-inline const AnalogController& seed_controller() {
-  static const AnalogController made = [] {
-    Options options;
+inline const DisturbanceCircuit& seed_controller() {
+  static const DisturbanceCircuit made = [] {
+    Options options(Form::self_fed);
     options.tracked = seed_frequencies();
     return make_controller(seed_disturbance(), options);
   }();

@@ -1,4 +1,4 @@
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/circuit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "synthesis/generator/at_rest.hpp"
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/made_layout.hpp"
 #include "synthesis/generator/timing.hpp"
@@ -27,7 +28,7 @@ double horner(const std::vector<double>& a, double x) {
 }
 
 TEST(Layout, SeedPolynomialsShareTwoMultipliers) {
-  const Layout layout = make_layout(seed_disturbance());
+  const DisturbanceCircuit layout = make_layout(seed_disturbance());
   EXPECT_EQ(layout.multipliers.size(), 2u);
   EXPECT_LT(layout.max_error_percent, 0.04);
   for (const NodeRange& node : layout.nodes) {
@@ -61,13 +62,13 @@ TEST(Layout, ExactPartsMakeThePolynomialExactly) {
                                         {-0.1, -0.2, -0.3},
                                         {0, 0, 0.4},
                                         {0.3, -0.2, 0.1, 0.2, -0.15, 0.05, 0.02}}) {
-    const Layout layout = layout_of({{"up", a, {}}, {"down", {-0.2, 0.1}, {}}}, options);
+    const DisturbanceCircuit layout = layout_of({{"up", a, {}}, {"down", {-0.2, 0.1}, {}}}, options);
     for (int i = 0; i <= 10; ++i) EXPECT_NEAR(layout.realised(0, i / 10.0), horner(a, i / 10.0), 1e-12);
   }
 }
 
 TEST(Layout, ABranchThatIsZeroGivesZero) {
-  const Layout layout = layout_of({{"up", {0.0, 0.0, 0.0}, {}}, {"down", {-0.2, 0.1}, {}}});
+  const DisturbanceCircuit layout = layout_of({{"up", {0.0, 0.0, 0.0}, {}}, {"down", {-0.2, 0.1}, {}}});
   EXPECT_EQ(layout.realised(0, 0.7), 0.0);
 }
 
@@ -83,15 +84,16 @@ TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
   for (int group = 1; group <= 7; ++group) {
     options.scheme = {group};
     for (const std::vector<double>& a : all) {
-      const Layout layout = layout_of({{"up", a, {}}, {"down", {-0.2, 0.1, 0.1}, {}}}, options);
+      const DisturbanceCircuit layout = layout_of({{"up", a, {}}, {"down", {-0.2, 0.1, 0.1}, {}}}, options);
       for (const NodeRange& node : layout.nodes) {
         if (node.name == "out") continue;
         EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9)
             << node.name << ", group " << group;
       }
-      const GeneratorAtRest generator(layout);
+      const RestWiring wiring(layout);
+      const AtRest rest(wiring, Deviations::none(layout));
       for (size_t b = 0; b < 2; ++b) {
-        const std::vector<double> d = generator.curve(b, {0.0, 0.3, 0.7, 1.0});
+        const std::vector<double> d = curve(rest, b, {0.0, 0.3, 0.7, 1.0});
         EXPECT_NEAR(d[0], 0.0, 1e-12);
         // What the open contact leaks is some 1e-9 V.
         EXPECT_NEAR(d[1], horner(layout.branches[b].wanted, 0.3), 1e-8) << "group " << group;
@@ -107,7 +109,7 @@ TEST(Layout, CountsOfTheSchemes) {
   for (int degree = 1; degree <= 7; ++degree) {
     const std::vector<double> a(static_cast<size_t>(degree), 0.1);
     for (size_t branches : {1u, 2u}) {
-      const Layout layout = layout_of(std::vector<Polynomial>(branches, Polynomial{"b", a, {}}));
+      const DisturbanceCircuit layout = layout_of(std::vector<Polynomial>(branches, Polynomial{"b", a, {}}));
       ASSERT_EQ(layout.candidates.size(), static_cast<size_t>(degree));
       for (const Candidate& one : layout.candidates) {
         const int groups = (degree + one.group - 1) / one.group;
@@ -124,7 +126,7 @@ TEST(Layout, CountsOfTheSchemes) {
 
 TEST(Layout, BranchesAreChosenInPairs) {
   const Polynomial one{"b", {0.1, -0.1}, {}};
-  const Layout five = layout_of(std::vector<Polynomial>(5, one));
+  const DisturbanceCircuit five = layout_of(std::vector<Polynomial>(5, one));
   EXPECT_EQ(five.select_lines(), 2);
   EXPECT_EQ(five.branch_at(0, true), 0);
   EXPECT_EQ(five.branch_at(1, false), 3);
@@ -140,15 +142,15 @@ TEST(Layout, AmplitudeGainsFollowTheirTable) {
   d.amplitude.alpha = {0.1, 0.25, 0.5, 0.75, 1.0};
   d.amplitude.ascending = {0.05, 0.2, 0.45, 0.7, 1.0};
   d.amplitude.descending = {0.4, 0.3, 0.5, 0.9, 0.8};
-  const Layout layout = make_layout(d);
+  const DisturbanceCircuit layout = make_layout(d);
   ASSERT_TRUE(layout.amplitude.has_value());
   EXPECT_LT(layout.amplitude->max_error_percent, 0.15);
-  const GeneratorAtRest generator(layout);
+  const RestWiring wiring(layout);
+  const AtRest rest(wiring, Deviations::none(layout));
   for (const double alpha : {0.05, 0.1, 0.3, 0.62, 0.9, 1.0}) {
     // Below its first stroke the layout holds the gain.
     const double gain = d.amplitude.at(Disturbance::Branch::descending, std::max(alpha, 0.1));
-    EXPECT_NEAR(generator.curve(1, {0.7}, alpha)[0], gain * d.value(Disturbance::Branch::descending, 0.7),
-                1e-3)
+    EXPECT_NEAR(curve(rest, 1, {0.7}, alpha)[0], gain * d.value(Disturbance::Branch::descending, 0.7), 1e-3)
         << alpha;
   }
   // Whatever a multiplier reads or makes is within full scale.
@@ -173,15 +175,16 @@ TEST(Layout, AmplitudeGainsThatVanishOrChangeTheirSignAreMadeByTheProductAlone) 
   const std::vector<Polynomial> branches = {{"up", {0.3, -0.2, 0.1}, {0.0, 1.0}},
                                             {"down", {-0.2, 0.2, 0.1}, {-0.2, 0.6}},
                                             {"constant", {0.1, 0.1}, {0.5, 0.5}}};
-  const Layout layout = make_layout(Input{branches, {0.5, 1.0}});
+  const DisturbanceCircuit layout = make_layout(Input{branches, {0.5, 1.0}});
   EXPECT_EQ(layout.amplitude->multipliers.size(), 2u);
-  EXPECT_EQ(layout.amplitude->gains[0].direct, 0.0);
-  const GeneratorAtRest generator(layout);
+  EXPECT_EQ(layout.branches[0].amplitude.direct, 0.0);
+  const RestWiring wiring(layout);
+  const AtRest rest(wiring, Deviations::none(layout));
   for (std::size_t b = 0; b < branches.size(); ++b) {
     for (const double alpha : {0.4, 0.5, 0.8, 1.0}) {
       const double along = std::clamp((alpha - 0.5) / 0.5, 0.0, 1.0);
       const std::vector<double>& gain = branches[b].amplitude;
-      EXPECT_NEAR(generator.curve(b, {0.6}, alpha)[0],
+      EXPECT_NEAR(curve(rest, b, {0.6}, alpha)[0],
                   (gain[0] + along * (gain[1] - gain[0])) * horner(branches[b].coefficients, 0.6), 1e-3)
           << b << ", " << alpha;
     }
@@ -194,7 +197,7 @@ TEST(Budget, CausesByHand) {
   errors.opamp_offset_v = 1e-3;
   Options options;
   options.resistors = synthesis::Series::named("exact");
-  const Layout layout = make_layout(seed_disturbance(), options);
+  const DisturbanceCircuit layout = make_layout(seed_disturbance(), options);
   const Budget budget = make_budget(layout, errors);
   const auto cause = [&](const Budget& of, const std::string& name) {
     for (const BudgetLine& line : of.lines) {
@@ -213,7 +216,7 @@ TEST(Budget, CausesByHand) {
   EXPECT_GE(budget.worst_percent[0], budget.rss_percent[0]);
   // In Horner's scheme the last product's offset is 10 mV/branch_gain of d.
   options.scheme = Scheme::named("horner");
-  const Layout chain = make_layout(seed_disturbance(), options);
+  const DisturbanceCircuit chain = make_layout(seed_disturbance(), options);
   EXPECT_EQ(chain.multipliers.size(), 4u);
   const auto last = cause(make_budget(chain, errors), "Ma0, offset of W");
   ASSERT_EQ(last.size(), 2u);
@@ -234,16 +237,17 @@ TEST(LayoutSwitch, OneTimeConstantMakesBothDelays) {
 }
 
 TEST(Timing, GlitchAndDetectorByHand) {
-  const Layout layout = make_layout(seed_disturbance());
+  const DisturbanceCircuit layout = make_layout(seed_disturbance());
   const Timing timing = make_timing(layout, {Hertz{5000}});
   const double swing = layout.fast_opamp.swing_v;
   const double rh1 = layout.part_named("Rh1")->realised, rh2 = layout.part_named("Rh2")->realised;
   EXPECT_NEAR(timing.detector.threshold_v, swing * rh1 / (rh1 + rh2), 1e-12);
   // An op-amp much faster than the gap shows the bare charge: Rg/Rin Q/C.
-  Layout fast = layout;
+  DisturbanceCircuit fast = layout;
   fast.opamp.gain_bandwidth = Hertz{10e9};
   fast.analog_switch.gap_s = 5e-9;
-  const double bare = fast.part(fast.output_feedback).realised / fast.part(fast.output_input).realised *
+  const double bare = fast.part(fast.passes.back().output.feedback).realised /
+                      fast.part(fast.passes.back().output.disturbance).realised *
                       fast.analog_switch.charge_c / (2.0 * fast.analog_switch.drain_f);
   EXPECT_NEAR(switch_glitch_v(fast, 0.0, 1.0), bare, 0.03 * bare);
   // Late by the detector and the switch; the step is what the branches differ by then.

@@ -2,12 +2,13 @@
 
 #include <vector>
 
-#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/circuit.hpp"
 
 namespace bodesmith::generator {
 
 /// The layout of these polynomials, without gains that vary with the amplitude.
-inline Layout layout_of(const std::vector<Polynomial>& branches, const Options& options = {}) {
+inline DisturbanceCircuit layout_of(const std::vector<Polynomial>& branches,
+                                    const Options& options = Options()) {
   return make_layout(Input{branches, {}}, options);
 }
 

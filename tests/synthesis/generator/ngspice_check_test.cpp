@@ -33,7 +33,7 @@ TEST(DisturbanceLibrary, TimingIsWhatTheProgramPredicts) {
   Disturbance wanted;
   wanted.ascending = {0.3546, -0.6433, 0.2887};
   wanted.descending = {-0.2398, 0.0838, 0.156};
-  const Layout layout = make_layout(wanted);
+  const DisturbanceCircuit layout = make_layout(wanted);
   const generator::Timing timing = generator::make_timing(layout, {Hertz{5000}});
   const DisturbanceCheck check = check_disturbance(layout, {Hertz{5000}});
   const double delay = timing.detector.delays[0].triangle_s.value();
@@ -70,7 +70,7 @@ TEST(DisturbanceLibrary, FiveBranchesBySelectLines) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   std::vector<generator::Polynomial> branches;
   for (int b = 1; b <= 5; ++b) branches.push_back({"b", {0.05 * b, -0.1, 0.02 * b}, {}});
-  const Layout layout = layout_of(branches);
+  const DisturbanceCircuit layout = layout_of(branches);
   const DisturbanceCheck check = check_disturbance(layout, {Hertz{5000}});
   EXPECT_LT(check.static_against_program, 5e-4);
   EXPECT_LT(check.static_percent, 0.1);

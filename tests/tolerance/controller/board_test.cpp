@@ -18,9 +18,9 @@ constexpr std::uint64_t kCopies = 1000;
 
 /// Without what open contacts leak: a board tabulates each branch with the other's gain as it last was, which a contact of
 /// 1e-10 S lets through as some 1e-10 of the stroke.
-const controller::AnalogController& tight_controller() {
-  static const controller::AnalogController made = [] {
-    controller::AnalogController out = controller::seed_controller();
+const generator::DisturbanceCircuit& tight_controller() {
+  static const generator::DisturbanceCircuit made = [] {
+    generator::DisturbanceCircuit out = controller::seed_controller();
     out.analog_switch.off_siemens = 1e-16;
     return out;
   }();
@@ -42,31 +42,32 @@ std::map<std::string, double> begin_at(const schematic::RestOrder& order, const 
 }
 
 /// v of one copy at rest from the equations of all elements at once, its drive fed back.
-double rest_by_all_equations(const controller::RestWiring& wiring, const schematic::Deviations& off,
+double rest_by_all_equations(const generator::RestWiring& wiring, const schematic::Deviations& off,
                              double slope_v, double r, bool rising, double start_v) {
-  const controller::AnalogController& c = wiring.controller;
+  const generator::DisturbanceCircuit& c = wiring.circuit;
   const schematic::Netlist& rate = wiring.rate.netlist();
   const std::map<std::string, double> slope = {{"sn", slope_v}};
   const schematic::Deviations off_rate = off.of_part(rate, c);
   const auto control =
       schematic::operating_point(rate, slope, 0, off_rate, begin_at(wiring.rate, off_rate, slope, 0));
   std::map<std::string, double> inputs = {{"r", r}};
-  for (const controller::BranchGain& gain : c.rate) {
-    if (gain.control >= 0) inputs[c.op(gain.control).out] = control.at(c.op(gain.control).out);
+  for (const generator::Branch& b : c.branches) {
+    if (const generator::BranchGain& gain = b.rate; gain.control >= 0)
+      inputs[c.op(gain.control).out] = control.at(c.op(gain.control).out);
   }
   std::map<std::string, double> cut = inputs;
-  cut[controller::kArgument] = start_v;
+  cut[generator::kArgument] = start_v;
   const int position = rising ? 0 : 1;
   auto start = begin_at(wiring.generator, off.of_part(wiring.generator.netlist(), c), cut, position);
   start["v"] = start_v;
-  schematic::Netlist generator = controller::generator_netlist(c, false);
+  schematic::Netlist generator = generator::generator_netlist(c, false);
   generator.sources.clear();
   return schematic::operating_point(generator, inputs, position, off.of_part(generator, c), start).at("v");
 }
 
 TEST(Board, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
-  const controller::AnalogController& c = tight_controller();
-  const controller::RestWiring wiring(c);
+  const generator::DisturbanceCircuit& c = tight_controller();
+  const generator::RestWiring wiring(c);
   const std::vector<Cause> causes = causes_of(c, {});
   const double full = 100.0 * c.slope->volts_per_hz;
   double worst = 0.0;
@@ -86,13 +87,13 @@ TEST(Board, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
 /// generator makes by differences. Delays as first order in the slopes, each amplifier's its noise gain over 2 pi GBW.
 class SlowDrive {
  public:
-  SlowDrive(const controller::RestWiring& wiring, const Copy& copy)
-      : c_(wiring.controller), rest_(wiring, copy.off) {
+  SlowDrive(const generator::RestWiring& wiring, const Copy& copy)
+      : c_(wiring.circuit), rest_(wiring, copy.off) {
     const double per_gain =
         1.0 / (2.0 * std::numbers::pi * c_.opamp.gain_bandwidth.value * (1.0 + copy.speed));
-    const controller::Pass& last = c_.passes.back();
+    const generator::Pass& last = c_.passes.back();
     output_s_ = rest_.noise_gain(last.output.opamp) * per_gain;
-    for (const int b : {0, 1}) {
+    for (std::size_t b = 0; b < 2; ++b) {
       delay_s_[b] = 2.0 / (2.0 * std::numbers::pi * c_.multiplier.bandwidth.value);
       if (last.branch_opamp[b] >= 0) delay_s_[b] += rest_.noise_gain(last.branch_opamp[b]) * per_gain;
     }
@@ -101,7 +102,7 @@ class SlowDrive {
   double at(double r, double rate, double slope_v, bool rising) {
     rest_.set_slope(slope_v);
     const double gain = rest_.reference_gain();
-    const auto made = [&](double v) { return rest_.made(0.0, v, rising); };
+    const auto made = [&](double v) { return rest_.made(0.0, v, rising ? 0 : 1); };
     const double late = delay_s_[rising ? 0 : 1] + output_s_;
     const auto left = [&](double v) {
       constexpr double kStep =
@@ -122,14 +123,14 @@ class SlowDrive {
   }
 
  private:
-  const controller::AnalogController& c_;
-  controller::AtRest rest_;
+  const generator::DisturbanceCircuit& c_;
+  generator::AtRest rest_;
   double output_s_ = 0.0, delay_s_[2] = {};
 };
 
 TEST(Board, AThousandDrawnCopiesDriveAsTheNetlistSolvedAtEverySample) {
-  const controller::AnalogController& c = tight_controller();
-  const controller::RestWiring wiring(c);
+  const generator::DisturbanceCircuit& c = tight_controller();
+  const generator::RestWiring wiring(c);
   const std::vector<Cause> causes = causes_of(c, {});
   double worst = 0.0;
   for (std::uint64_t draw = 0; draw < kCopies; ++draw) {

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "synthesis/controller/at_rest.hpp"
 #include "synthesis/controller/library.hpp"
 #include "synthesis/controller/seed_controller.hpp"
+#include "synthesis/generator/at_rest.hpp"
 #include "tolerance/controller/errors.hpp"
 #include "tolerance/controller/operating_point.hpp"
 
@@ -30,8 +30,8 @@ double greatest_difference(const schematic::RestOrder& order, const schematic::D
 }
 
 TEST(RestPoint, RestsAtTheSamePlaceWhereverItComesFrom) {
-  const controller::AnalogController& c = controller::seed_controller();
-  const controller::RestWiring wiring(c);
+  const generator::DisturbanceCircuit& c = controller::seed_controller();
+  const generator::RestWiring wiring(c);
   const schematic::Deviations off = schematic::Deviations::none(c).of_part(wiring.rate.netlist(), c);
   const int slope = wiring.rate.node("sn");
   schematic::RestPoint moved(wiring.rate, off);
@@ -44,8 +44,8 @@ TEST(RestPoint, RestsAtTheSamePlaceWhereverItComesFrom) {
 }
 
 TEST(RestPoint, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
-  const controller::AnalogController& c = controller::seed_controller();
-  const controller::RestWiring wiring(c);
+  const generator::DisturbanceCircuit& c = controller::seed_controller();
+  const generator::RestWiring wiring(c);
   const std::vector<Cause> causes = causes_of(c, {});
   const double full = 100.0 * c.slope->volts_per_hz;
   double worst = 0.0;
@@ -56,7 +56,7 @@ TEST(RestPoint, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
                                                 {{"sn", -1.2 * full * part}}, 0));
     worst = std::max(
         worst, greatest_difference(wiring.generator, off.of_part(wiring.generator.netlist(), c),
-                                   {{"r", part}, {controller::kArgument, 1.0 - part}, {"cd", 0.1 * part}},
+                                   {{"r", part}, {generator::kArgument, 1.0 - part}, {"cd", 0.1 * part}},
                                    static_cast<int>(draw % 2)));
   }
   EXPECT_LT(worst, 1e-12);

@@ -89,11 +89,11 @@ TEST(PartErrors, ABoardIsWhatNgspiceMakesOfTheSameCopy) {
 
 /// Other forms and disturbances: rates on both branches, on none, no cubes, a drive beyond 1 V.
 TEST(PartErrors, OtherControllersToo) {
-  const auto nominal = [](const Disturbance& d, controller::Form form) {
-    controller::Options options;
+  const auto nominal = [](const Disturbance& d, generator::Form form) {
+    generator::Options options(generator::Form::self_fed);
     options.form = form;
     options.tracked = {Hertz{5.0}, Hertz{50.0}};
-    const controller::AnalogController made = controller::make_controller(d, options);
+    const generator::DisturbanceCircuit made = generator::make_controller(d, options);
     const tracking::PolynomialStage stage(d);
     StudyOptions study;
     study.frequencies = options.tracked;
@@ -102,18 +102,18 @@ TEST(PartErrors, OtherControllersToo) {
   };
   Disturbance d = controller::seed_disturbance();
   d.rate = {};
-  EXPECT_LT(nominal(d, controller::Form::self_fed).worst.nominal_percent, 0.03);
-  const double one = nominal(d, controller::Form::one_pass).worst.nominal_percent;
-  const double two = nominal(d, controller::Form::two_pass).worst.nominal_percent;
+  EXPECT_LT(nominal(d, generator::Form::self_fed).worst.nominal_percent, 0.03);
+  const double one = nominal(d, generator::Form::one_pass).worst.nominal_percent;
+  const double two = nominal(d, generator::Form::two_pass).worst.nominal_percent;
   EXPECT_NEAR(one, 0.60, 0.1);  // facts: .616 % with the lag left in
   EXPECT_LT(two, one / 3.0);
   d.rate.frequency = {Hertz{2.0}, Hertz{200.0}};
   d.rate.ascending = {1.0, 0.8};
   d.rate.descending = {1.0, 1.3};
-  EXPECT_LT(nominal(d, controller::Form::self_fed).worst.nominal_percent, 0.05);
+  EXPECT_LT(nominal(d, generator::Form::self_fed).worst.nominal_percent, 0.05);
   d.ascending = {-0.2, 0.1, 0.0};
   d.descending = {-0.3, 0.2, 0.0};
-  const Study large = nominal(d, controller::Form::self_fed);
+  const Study large = nominal(d, generator::Form::self_fed);
   EXPECT_LT(large.worst.nominal_percent, 0.2);
   EXPECT_GT(large.worst.p95_percent, large.worst.nominal_percent);
 }

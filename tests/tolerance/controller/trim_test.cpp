@@ -46,8 +46,8 @@ TEST(Trim, AVoltmeterWithMoreNoiseTrimsWorse) {
 
 TEST(Trim, TheReadingsOfTheDesignAreThoseOfTheStage) {
   // At rest v is the inverse of the stage: r = v + K d(v) with the slowest gain.
-  const controller::AnalogController& c = controller::seed_controller();
-  const controller::RestWiring wiring(c);
+  const generator::DisturbanceCircuit& c = controller::seed_controller();
+  const generator::RestWiring wiring(c);
   const Board board(wiring, copy_of(c, {}, {}));
   for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     for (const bool rising : {true, false}) {
@@ -64,9 +64,9 @@ TEST(Trim, OtherDisturbancesHaveTheirOwnTrims) {
   Disturbance d;
   d.ascending = {0.2, -0.2, 0.0};
   d.descending = {-0.1, 0.1, 0.0};
-  controller::Options made;
+  generator::Options made(generator::Form::self_fed);
   made.tracked = {Hertz{5.0}, Hertz{50.0}};
-  const controller::AnalogController c = controller::make_controller(d, made);
+  const generator::DisturbanceCircuit c = generator::make_controller(d, made);
   const tracking::PolynomialStage stage(d);
   TrimOptions options;
   options.draws = 150;

@@ -1,42 +1,46 @@
-#include "synthesis/controller/at_rest.hpp"
+#include "synthesis/generator/at_rest.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "synthesis/controller/library.hpp"
-
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
-std::string control_node(const AnalogController& c, const BranchGain& gain) {
+std::string control_node(const DisturbanceCircuit& c, const BranchGain& gain) {
   return gain.control < 0 ? "" : c.op(gain.control).out;
 }
 
-schematic::RestOrder generator_order(const AnalogController& c, bool cut) {
+schematic::RestOrder generator_order(const DisturbanceCircuit& c, bool cut) {
+  if (c.form == Form::open) {
+    return {c.generator(),
+            c.amplitude ? std::vector<std::string>{"x", "amplitude"} : std::vector<std::string>{"x"}};
+  }
   schematic::Netlist netlist = generator_netlist(c, cut);
   netlist.sources.clear();
   std::vector<std::string> inputs = {"r"};
   if (cut) inputs.emplace_back(kArgument);
-  for (const BranchGain* gains : {c.rate, c.amplitude}) {
-    for (const int b : {0, 1}) {
-      if (const std::string node = control_node(c, gains[b]); !node.empty()) inputs.push_back(node);
+  for (const auto which : {&Branch::rate, &Branch::amplitude}) {
+    for (const Branch& b : c.branches) {
+      if (const std::string node = control_node(c, b.*which); !node.empty()) inputs.push_back(node);
     }
   }
   return {netlist, inputs};
 }
 
-schematic::RestOrder rate_order(const AnalogController& c) {
+/// Of a controller: what the slope and the stroke make of the gains.
+schematic::RestOrder rate_order(const DisturbanceCircuit& c) {
   return {schematic::subset(c,
                             [&](std::size_t group) {
                               const Purpose purpose = c.purpose_of(group);
-                              return purpose == Purpose::rate_curve || purpose == Purpose::rate_gain ||
-                                     purpose == Purpose::amplitude;
+                              return c.form != Form::open &&
+                                     (purpose == Purpose::rate_curve || purpose == Purpose::rate_gain ||
+                                      purpose == Purpose::amplitude);
                             }),
           {"sn", "an"}};
 }
 
 /// V(al) for a reference of that stroke: what follows it adds its offsets.
-double stroke_v(const AnalogController& c, double alpha, const Deviations& off) {
+double stroke_v(const DisturbanceCircuit& c, double alpha, const Deviations& off) {
   double out = std::max(alpha, c.stroke->least);
   for (const int one : c.stroke->follow) out += off.offset(one);
   return out;
@@ -46,10 +50,10 @@ double stroke_v(const AnalogController& c, double alpha, const Deviations& off) 
 struct Quotient {
   double gain = 1.0, offset = 0.0;
 };
-Quotient quotient_of(const AnalogController& c, const std::string& node, double alpha,
+Quotient quotient_of(const DisturbanceCircuit& c, const std::string& node, double alpha,
                      const Deviations& off) {
   if (!c.stroke) return {};
-  const AnalogController::Stroke::Division& d = c.stroke->divisions.at(node);
+  const DisturbanceCircuit::Stroke::Division& d = c.stroke->divisions.at(node);
   const schematic::MultiplierDeviation& m = off.multiplier[static_cast<std::size_t>(d.multiplier)];
   const double below = off.value(c, d.below), share = below / (below + off.value(c, d.above));
   const double by =
@@ -59,10 +63,10 @@ Quotient quotient_of(const AnalogController& c, const std::string& node, double 
 
 }  // namespace
 
-SlopeMeterGains SlopeMeterGains::of(const AnalogController& c, const Deviations& off) {
+SlopeMeterGains SlopeMeterGains::of(const DisturbanceCircuit& c, const Deviations& off) {
   SlopeMeterGains out;
   if (!c.slope) return out;
-  const AnalogController::SlopeMeter& m = *c.slope;
+  const DisturbanceCircuit::SlopeMeter& m = *c.slope;
   const double input_gain = quotient_of(c, "r", 1.0, off).gain;
   out.volts = input_gain * off.value(c, m.gain) * off.value(c, m.differentiates);
   out.offset = off.offset(m.opamp);
@@ -83,28 +87,35 @@ double SlopeMeterGains::output_v(double slope) const {
   return -(w * direct + rectified * half) + full_offset;
 }
 
-RestWiring::RestWiring(const AnalogController& c, bool cut)
-    : controller(c),
-      argument_is_given(cut || c.form == Form::self_fed),
+RestWiring::RestWiring(const DisturbanceCircuit& c, bool cut)
+    : circuit(c),
+      argument_is_given(cut || c.form == Form::self_fed || c.form == Form::open),
       rate(rate_order(c)),
       generator(generator_order(c, argument_is_given)) {}
 
 AtRest::AtRest(const RestWiring& wiring, const Deviations& off, const AtRest* like)
     : wiring_(&wiring),
       off_(off),
-      rate_(wiring.rate, off.of_part(wiring.rate.netlist(), wiring.controller),
+      rate_(wiring.rate, off.of_part(wiring.rate.netlist(), wiring.circuit),
             like != nullptr ? &like->rate_ : nullptr),
-      generator_(wiring.generator, off.of_part(wiring.generator.netlist(), wiring.controller),
-                 like != nullptr ? &like->generator_ : nullptr) {
-  const AnalogController& c = wiring.controller;
+      generator_(wiring.generator, off.of_part(wiring.generator.netlist(), wiring.circuit),
+                 like != nullptr ? &like->generator_ : nullptr),
+      branches_(wiring.circuit.branches.size()) {
+  const DisturbanceCircuit& c = wiring.circuit;
+  drive_ = wiring.generator.node(c.passes.back().out);
+  if (c.form == Form::open) {
+    argument_ = wiring.generator.node("x");
+    if (c.amplitude) stroke_ = wiring.generator.node("amplitude");
+    set_stroke(1.0);
+    return;
+  }
   slope_ = wiring.rate.node("sn");
   stroke_ = wiring.rate.node("an");
   reference_ = wiring.generator.node("r");
-  drive_ = wiring.generator.node(c.passes.back().out);
   if (wiring.argument_is_given) argument_ = wiring.generator.node(kArgument);
-  for (const int b : {0, 1}) {
-    for (const auto& [gain, control] :
-         {std::pair{&c.rate[b], &rate_control_[b]}, {&c.amplitude[b], &amplitude_control_[b]}}) {
+  for (std::size_t b = 0; b < branches_.size(); ++b) {
+    for (const auto& [gain, control] : {std::pair{&c.branches[b].rate, &branches_[b].rate},
+                                        {&c.branches[b].amplitude, &branches_[b].amplitude}}) {
       const std::string node = control_node(c, *gain);
       if (node.empty()) continue;
       control->made = wiring.rate.node(node);
@@ -113,24 +124,28 @@ AtRest::AtRest(const RestWiring& wiring, const Deviations& off, const AtRest* li
   }
   set_slope(0.0);
   set_stroke(1.0);
-  const double at_one = made(1.0, 0.0, true);
-  reference_gain_ = at_one - made(0.0, 0.0, true);
+  const double at_one = made(1.0, 0.0, 0);
+  reference_gain_ = at_one - made(0.0, 0.0, 0);
 }
 
-void AtRest::follow(Control* controls) {
+void AtRest::follow(Control Controls::*which) {
   rate_.settle(0);
-  for (Control* one : {controls, controls + 1}) {
-    if (one->made >= 0) one->volts = rate_.volts(one->made);
+  for (Controls& b : branches_) {
+    if (Control& one = b.*which; one.made >= 0) one.volts = rate_.volts(one.made);
   }
 }
 
 void AtRest::set_slope(double volts) {
   rate_.set(slope_, volts);
-  follow(rate_control_);
+  follow(&Controls::rate);
 }
 
 void AtRest::set_stroke(double alpha) {
-  const AnalogController& c = wiring_->controller;
+  const DisturbanceCircuit& c = wiring_->circuit;
+  if (c.form == Form::open) {
+    if (c.amplitude) generator_.set(stroke_, alpha);
+    return;
+  }
   alpha_ = alpha;
   double inverted = -1.0;
   if (c.stroke) {
@@ -141,29 +156,36 @@ void AtRest::set_stroke(double alpha) {
     argument_offset_ = argument.offset;
   }
   rate_.set(stroke_, inverted);
-  follow(amplitude_control_);
+  follow(&Controls::amplitude);
 }
 
-double AtRest::made(double r, double argument, bool rising) {
-  generator_.set(reference_, r);
+double AtRest::made(double r, double argument, std::size_t branch) {
+  if (reference_ >= 0) generator_.set(reference_, r);
   if (argument_ >= 0) generator_.set(argument_, argument_gain_ * alpha_ * argument + argument_offset_);
-  for (const Control* controls : {rate_control_, amplitude_control_}) {
-    for (const int b : {0, 1}) {
-      if (controls[b].read >= 0) generator_.set(controls[b].read, controls[b].volts);
+  for (const Controls& b : branches_) {
+    for (const Control* one : {&b.rate, &b.amplitude}) {
+      if (one->read >= 0) generator_.set(one->read, one->volts);
     }
   }
-  generator_.settle(rising ? 0 : 1);
+  generator_.settle(static_cast<int>(branch));
   return generator_.volts(drive_);
 }
 
+std::vector<double> curve(AtRest at, std::size_t branch, const std::vector<double>& x, double alpha) {
+  at.set_stroke(alpha);
+  std::vector<double> d;
+  for (const double one : x) d.push_back(at.made(0.0, one, branch));
+  return d;
+}
+
 double AtRest::noise_gain(int opamp) {
-  const std::string& name = wiring_->controller.op(opamp).name;
+  const std::string& name = wiring_->circuit.op(opamp).name;
   const std::vector<OpAmp>& all = wiring_->generator.netlist().opamps;
   const auto at = std::find_if(all.begin(), all.end(), [&](const OpAmp& one) { return one.name == name; });
   return generator_.noise_gain(static_cast<std::size_t>(at - all.begin()));
 }
 
-BuiltGenerator::BuiltGenerator(const AnalogController& controller, const Deviations& off)
+BuiltGenerator::BuiltGenerator(const DisturbanceCircuit& controller, const Deviations& off)
     : controller_(controller),
       meter_(SlopeMeterGains::of(controller, off)),
       wiring_(controller, true),
@@ -174,15 +196,15 @@ void BuiltGenerator::set_rate(Hertz operating) {
 }
 
 double BuiltGenerator::subtracted(Disturbance::Branch which, double x) {
-  return -rest_.made(0.0, x, which == Disturbance::Branch::ascending);
+  return -rest_.made(0.0, x, branch_index(which));
 }
 
 double BuiltGenerator::rate_gain(Disturbance::Branch which) const {
-  const auto b = static_cast<int>(branch_index(which));
-  return controller_.rate[b].at_rest * (1.0 + rest_.control_v(b) / controller_.multiplier.scale_v);
+  const std::size_t b = branch_index(which);
+  return controller_.branches[b].rate.at_rest * (1.0 + rest_.control_v(b) / controller_.multiplier.scale_v);
 }
 
-double generator_error_percent(const AnalogController& controller) {
+double generator_error_percent(const DisturbanceCircuit& controller) {
   constexpr int kPoints = 200;
   BuiltGenerator built(controller);
   std::vector<Hertz> at = controller.tracked;
@@ -221,4 +243,4 @@ double generator_error_percent(const AnalogController& controller) {
   return 100.0 * worst;
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

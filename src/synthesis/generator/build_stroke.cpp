@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "synthesis/controller/build.hpp"
+#include "synthesis/generator/build.hpp"
 
 /// Amplitude gains (disturbance paper, Fig. 2 and 3c, d): v = r - K g(alpha) d(v/alpha), alpha the reference's stroke.
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 /// Of it offsets of some millivolts are a tenth.
@@ -18,11 +18,12 @@ constexpr double kDividerOhm = 10e3;
 
 }  // namespace
 
-/// The table's, from kLeastStroke on.
+/// The table's, closed from kLeastStroke on.
 std::vector<double> Builder::strokes() const {
+  if (is_open()) return out_.strokes();
   if (!out_.stroke) return {1.0};
-  std::vector<double> out = {std::max(disturbance_.amplitude.alpha.front(), kLeastStroke)};
-  for (const double alpha : disturbance_.amplitude.alpha) {
+  std::vector<double> out = {std::max(out_.disturbance.amplitude.alpha.front(), kLeastStroke)};
+  for (const double alpha : out_.disturbance.amplitude.alpha) {
     if (alpha > out.back()) out.push_back(alpha);
   }
   return out;
@@ -31,7 +32,12 @@ std::vector<double> Builder::strokes() const {
 /// Of branch b, at strokes().
 std::vector<double> Builder::stroke_gains(std::size_t b) const {
   std::vector<double> out;
-  for (const double alpha : strokes()) out.push_back(disturbance_.amplitude.at(kBranches[b], alpha));
+  if (is_open()) {
+    out = input_.branches[b].amplitude;
+    if (out.empty()) out.assign(input_.alpha.size(), 1.0);
+    return out;
+  }
+  for (const double alpha : strokes()) out.push_back(out_.disturbance.amplitude.at(kBranches[b], alpha));
   return out;
 }
 
@@ -41,7 +47,8 @@ std::vector<double> Builder::stroke_gains(std::size_t b) const {
 void Builder::stroke_hold() {
   enter("stroke", Purpose::stroke);
   reference();
-  double fastest = disturbance_.rate.frequency.empty() ? 100.0 : disturbance_.rate.frequency.back().value;
+  double fastest =
+      out_.disturbance.rate.frequency.empty() ? 100.0 : out_.disturbance.rate.frequency.back().value;
   for (const Hertz f : options_.tracked) fastest = std::max(fastest, f.value);
   // Late by on-resistance times capacitor at the fastest triangle, drooping by the open contact's leak over half a period of the
   // slowest: both shares of the stroke are the same,
@@ -58,8 +65,8 @@ void Builder::stroke_hold() {
   for (std::size_t b = 0; b < 2; ++b) {
     for (const double alpha : strokes()) {
       const auto subtracted = [&](double held, double w) {
-        return gain_limit(b, true) * disturbance_.amplitude.at(kBranches[b], held) *
-               disturbance_.value(kBranches[b], w * alpha / held);
+        return gain_limit(b, true) * out_.disturbance.amplitude.at(kBranches[b], held) *
+               out_.disturbance.value(kBranches[b], w * alpha / held);
       };
       for (double w = 0.0; w <= 1.0; w += 0.01) {
         const double slope = (subtracted(alpha, w) - subtracted(kLess * alpha, w)) / (1.0 - kLess);
@@ -76,11 +83,11 @@ void Builder::stroke_hold() {
   out_.contacts.push_back({"Sp2", group, "hb", "h2", "down", 1});
   capacitor("Cp2", "stroke, last peak", "h2", "0", farad);
   const double lower = 1e3;
-  const int up = resistor("Rp1", "least stroke", "vr", "hl",
-                          lower * (generator::kReferenceV / out_.stroke->least - 1.0));
+  const int up =
+      resistor("Rp1", "least stroke", "vr", "hl", lower * (kReferenceV / out_.stroke->least - 1.0));
   const int down = resistor("Rp2", "least stroke", "hl", "0", lower);
   out_.stroke->least =
-      generator::kReferenceV * out_.part(down).realised / (out_.part(down).realised + out_.part(up).realised);
+      kReferenceV * out_.part(down).realised / (out_.part(down).realised + out_.part(up).realised);
   int number = 0;
   for (const auto& [node, what] :
        {std::pair{"h2", "last peak"}, {"r", "reference"}, {"hl", "least stroke"}}) {
@@ -105,9 +112,9 @@ std::string Builder::over_stroke(const std::string& node) {
   if (out_.stroke->divisions.contains(node)) return quotient;
   const std::size_t back = group;
   enter("division by the stroke", Purpose::division);
-  const double top = std::max(out_.loop.greatest_drive, 1.0), u = out_.multiplier.scale_v;
+  const double u = out_.multiplier.scale_v;
   // The pair whose ratio is next below what uses the multiplier's range.
-  const double scale = generator::kRoom * out_.multiplier.greatest_input_v / top, ratio = scale / u;
+  const double scale = kRoom * out_.multiplier.greatest_input_v / top(), ratio = scale / u;
   const double lower = options_.resistors.nearest(kDividerOhm);
   const int above =
       resistor("Rz1" + node, "divided by the stroke, " + node, node, plus, lower * (1.0 / ratio - 1.0));
@@ -116,19 +123,24 @@ std::string Builder::over_stroke(const std::string& node) {
       u * out_.part(below).realised / (out_.part(below).realised + out_.part(above).realised);
   const int divides = opamp("divides by the stroke, " + node, plus, product, quotient);
   const int back_product = multiplier("Mz" + node, "stroke times quotient, " + node, quotient, "al", "0",
-                                      product, top * scale / u);
+                                      product, top() * scale / u);
   out_.stroke->divisions[node] = {above, below, divides, back_product};
   group = back;
   return quotient;
 }
 
 void Builder::amplitude_gains() {
-  generator::GainCurve curve = generator::GainCurve::over_amplitude();
+  GainCurve curve = GainCurve::over_amplitude();
   curve.corner_v = strokes();
   for (const double alpha : curve.corner_v)
     curve.corner_text.push_back(fmt::format("corner at {} of the stroke", rounded_text(alpha, 4)));
-  curve.gain = {stroke_gains(0), stroke_gains(1)};
-  build_curve(curve, out_.amplitude);
+  for (std::size_t b = 0; b < out_.branches.size(); ++b) curve.gain.push_back(stroke_gains(b));
+  if (is_open()) {
+    out_.amplitude->wanted = curve.gain;
+    enter("amplitude curve", Purpose::amplitude);
+    invert("stroke", "amplitude", "an");
+  }
+  build_curve(curve, gains(&Branch::amplitude));
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

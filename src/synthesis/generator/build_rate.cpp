@@ -9,10 +9,9 @@
 #include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "numeric/interpolated.hpp"
-#include "synthesis/controller/build.hpp"
-#include "synthesis/controller/controller.hpp"
+#include "synthesis/generator/build.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 constexpr std::size_t kMostPieces = 12;  // to an interval of the table
@@ -93,9 +92,9 @@ double RateCurve::value(Disturbance::Branch which, Hertz frequency) const {
 void Builder::slope_meter() {
   const std::string r = over_stroke("r");
   enter("slope", Purpose::slope_meter);
-  AnalogController::SlopeMeter m;
-  const double last = disturbance_.rate.frequency.back().value,
-               first = disturbance_.rate.frequency.front().value;
+  DisturbanceCircuit::SlopeMeter m;
+  const double last = out_.disturbance.rate.frequency.back().value,
+               first = out_.disturbance.rate.frequency.front().value;
   const double full_v = last / first > kWideTable ? kWideSlopeV : kFullSlopeV;
   const double product = std::min(full_v / (2.0 * last * out_.reference_stroke), 0.4);
   const double cd = options_.capacitors.nearest(std::clamp(product / 50e3, 100e-12, 220e-9));
@@ -107,9 +106,8 @@ void Builder::slope_meter() {
   m.gain = resistor("Rw2", "slope, gain", "wb", "w0", product / cd);
   m.limits = capacitor("Cw2", "slope, damping", "wb", "w0", std::max(lag * cd / product, 1e-12));
   m.opamp = opamp("slope, differentiator", "0", "wb", "w0");
-  m.input_gain = out_.stroke ? out_.stroke->argument_scale : 1.0;
-  m.volts_per_hz = 2.0 * out_.reference_stroke * m.input_gain * out_.part(m.gain).realised *
-                   out_.part(m.differentiates).realised;
+  m.volts_per_hz = 2.0 * out_.reference_stroke * (out_.stroke ? out_.stroke->argument_scale : 1.0) *
+                   out_.part(m.gain).realised * out_.part(m.differentiates).realised;
 
   m.half_wave_input = resistor("Rw3", "half-wave rectifier, input", "w0", "wm", kRectifierOhm);
   m.half_wave_feedback = resistor("Rw4", "half-wave rectifier, feedback", "wm", "wh", kRectifierOhm);
@@ -130,20 +128,20 @@ void Builder::slope_meter() {
 
 /// Straight pieces over the slope meter's voltage: beyond the last corner the gain is held whatever the slope.
 void Builder::rate_gains() {
-  if (!options_.rates || disturbance_.rate.frequency.empty() ||
+  if (!options_.rates || out_.disturbance.rate.frequency.empty() ||
       (gain_limit(0, true) == gain_limit(0, false) && gain_limit(1, true) == gain_limit(1, false)))
     return;
   slope_meter();
   double peak[2];
-  for (std::size_t b = 0; b < 2; ++b) peak[b] = peak_of(b) * greatest_amplitude_[b];
-  out_.curve = make_rate_curve(disturbance_, peak, options_.tracked, options_.rate_tolerance_percent);
-  generator::GainCurve curve = generator::GainCurve::over_rate();
+  for (std::size_t b = 0; b < 2; ++b) peak[b] = peak_of(b) * out_.branches[b].greatest_amplitude;
+  out_.curve = make_rate_curve(out_.disturbance, peak, options_.tracked, options_.rate_tolerance_percent);
+  GainCurve curve = GainCurve::over_rate();
   for (const Hertz f : out_.curve->corner) {
     curve.corner_v.push_back(f.value * out_.slope->volts_per_hz);
     curve.corner_text.push_back(fmt::format("corner at {} Hz", rounded_text(f.value)));
   }
   curve.gain = {out_.curve->gain[0], out_.curve->gain[1]};
-  build_curve(curve, out_.rate);
+  build_curve(curve, gains(&Branch::rate));
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

@@ -5,8 +5,9 @@
 
 namespace bodesmith::fpaa {
 
-// The switches of a stage: ONE description, read by the stream generator (as switch words) and by the ngspice
-// netlist (as switches). Facts: an231, part 2. Within a clock period phase 1 comes first, then phase 2.
+// The switches of a stage: ONE description, read by the stream generator (as switch words), by the ngspice netlist (as switches) and by
+// the solver (network_of); streams that are read give it back. Facts: an231, part 2. Within a clock period phase 1 comes first, then
+// phase 2.
 
 /// What one plate of a capacitor is connected to.
 struct PlateNode {
@@ -31,10 +32,11 @@ struct PlateNode {
 struct Plate {
   PlateNode phase1;
   PlateNode phase2;
+  int clock = 0;  ///< index, of a stage that is switched by several
 
   static constexpr Plate fixed(PlateNode node) { return {node, node}; }
   bool is_static() const { return phase1 == phase2; }
-  Plate mirrored() const { return {phase2, phase1}; }
+  Plate mirrored() const { return {phase2, phase1, clock}; }
 };
 
 struct StageCapacitor {
@@ -50,6 +52,7 @@ inline constexpr int kHoldUnits = 255;
 struct StageOpAmp {
   int reset_phase =
       0;  ///< its feedback switch is closed in this phase (its output 0 there); 0: there is none
+  int reset_clock = 0;
 };
 
 /// One stage, ready to be placed: capacitors in the order in which the vendor numbers them.

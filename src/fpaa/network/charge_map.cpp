@@ -311,7 +311,7 @@ class StageNodes {
     const PlateNode* const ends[] = {&plate.phase1, &plate.phase2};
     for (int phase = 1; phase <= 2; ++phase) {
       const PlateNode& end = *ends[phase - 1];
-      if (end.kind != PlateNode::Kind::open) network.switches.push_back({own, node(end), 0, phase});
+      if (end.kind != PlateNode::Kind::open) network.switches.push_back({own, node(end), plate.clock, phase});
     }
     return own;
   }
@@ -330,9 +330,10 @@ SwitchedNetwork network_of(const StageSwitches& stage) {
     out.network.capacitors.push_back({c.name, near, far, c.units});
   }
   for (std::size_t k = 0; k < stage.opamps.size(); ++k) {
-    if (stage.opamps[k].reset_phase == 0) continue;
+    const StageOpAmp& one = stage.opamps[k];
+    if (one.reset_phase == 0) continue;
     out.network.switches.push_back(
-        {out.network.opamps[k].minus, out.network.opamps[k].out, 0, stage.opamps[k].reset_phase});
+        {out.network.opamps[k].minus, out.network.opamps[k].out, one.reset_clock, one.reset_phase});
   }
   return std::move(out.network);
 }

@@ -36,7 +36,7 @@ struct SwitchedNetwork {
   int add_node() { return nodes++; }
 };
 
-/// A stage's circuit, its one clock being clock 0.
+/// A stage's circuit.
 SwitchedNetwork network_of(const StageSwitches& stage);
 
 /// A network while its switches stand still. What is conserved is the charge of every group of joined nodes that

@@ -20,7 +20,8 @@ using Complex = std::complex<double>;
 
 constexpr int kPoints = 200;         ///< of the band, for the response's errors
 constexpr int kMismatchPoints = 40;  ///< of the band, for each drawn board
-constexpr int kNoisePoints = 300;    ///< of the band, and from 0 to half the fastest clock
+constexpr int kNoisePoints = 60;     ///< of the band
+constexpr int kNodePoints = 300;     ///< from 0 to half the fastest clock
 constexpr int kNoiseCost = 10;       ///< of a noise density, in gains
 constexpr std::size_t kNamedCapacitors = 8;
 
@@ -73,12 +74,17 @@ int affordable(int points, std::size_t pieces_of, int times = 1) {
   return std::clamp(static_cast<int>(kPieces / pieces), std::min(points, 20), points);
 }
 
+/// Noise in the band by CAM, for every figure that has it.
+std::vector<double> band_noise_of(const SwitchedBoard& noisy, Band band) {
+  return integrated_noise(noisy, log_grid(band, affordable(kNoisePoints, noisy.pieces(), kNoiseCost)));
+}
+
 /// Node gains and noise.
 void add_nodes_and_noise(const Plan& plan, const SwitchedBoard& board, Band band,
                          std::vector<ErrorBudget::CamShare>& shares) {
   const SwitchedBoard noisy(plan, true);
-  const int points = affordable(kNoisePoints, noisy.pieces(), kNoiseCost);
-  const std::vector<double> in_band = integrated_noise(noisy, log_grid(band, points));
+  const int points = affordable(kNodePoints, noisy.pieces(), kNoiseCost);
+  const std::vector<double> in_band = band_noise_of(noisy, band);
   const std::vector<double> whole = integrated_noise(noisy, whole_noise_grid(plan, band, points));
   for (const auto& nodes :
        nodes_over(board, log_grid({{0.1 * band.from.value}, {0.45 * *plan.clocks_hz().rbegin()}}, points))) {
@@ -115,7 +121,6 @@ DrawnBoard drawn_board(const SwitchedBoard& switched, const Sections& sections, 
 
 PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,
                      const BoardAssumptions& assumptions) {
-  constexpr int kTotalNoisePoints = 60;
   PlanTotal out;
   out.at_input_v = plan.max_input_v;
   out.designed_percent = plan.error_with_delays.max_complex_percent;
@@ -143,10 +148,7 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
   if (out.at_input_v > 0.0)
     out.from_bound_db = to_decibel(out.at_input_v * asked / board_by_name(plan.board).full_scale_v);
   double noise = 0.0;  // mean square at the pin, kT/C_u
-  const SwitchedBoard noisy(plan, true);
-  for (const double share :
-       integrated_noise(noisy, log_grid(band, affordable(kTotalNoisePoints, noisy.pieces(), kNoiseCost))))
-    noise += share;
+  for (const double share : band_noise_of(SwitchedBoard(plan, true), band)) noise += share;
   const double rms_v = 1e-6 * assumptions.noise.microvolts(noise);
   double largest = 0.0;
   for (const Complex h : designed) largest = std::max(largest, std::abs(h));

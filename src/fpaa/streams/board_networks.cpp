@@ -104,46 +104,41 @@ std::vector<BoardNode> loop_of(const BoardCircuit& board, const BoardNode& amp) 
   return out;
 }
 
-/// One loop of op-amps as a network.
-class LoopNetwork {
+/// One loop of op-amps as a stage.
+class StageReader {
  public:
-  LoopNetwork(const BoardCircuit& board, std::vector<BoardNode> members)
-      : board_(board), members_(std::move(members)) {
-    for (std::size_t i = 0; i < members_.size(); ++i)
-      network.opamps.push_back({.plus = 0, .minus = network.add_node(), .out = network.add_node()});
-  }
+  StageReader(const BoardCircuit& board, std::vector<BoardNode> members)
+      : board_(board), members_(std::move(members)) {}
 
-  void build() {
-    for (std::size_t i = 0; i < members_.size(); ++i) {
-      const BoardNode& amp = members_[i];
+  void read() {
+    stage.opamps.clear();
+    std::vector<const CapacitorCell*> placed;
+    for (const BoardNode& amp : members_) {
       for (const CapacitorCell* c : capacitors_at(board_, amp)) {
         // Of two op-amps' capacitor the first has it.
-        if (std::find(placed_.begin(), placed_.end(), c) != placed_.end()) continue;
-        placed_.push_back(c);
+        if (std::find(placed.begin(), placed.end(), c) != placed.end()) continue;
+        placed.push_back(c);
         if (!c->is_understood)
           throw DesignError(
               fmt::format("C{} of CAB {} has switches that are not understood", c->number, amp.node.cab));
-        const int near = plate(amp, c->near);
-        const int far = plate(amp, c->far);
-        network.capacitors.push_back(
-            {fmt::format("C{}", c->number), near, far, static_cast<double>(c->units)});
+        const Plate near = plate(amp, c->near);
+        stage.capacitors.push_back(
+            {fmt::format("C{}", c->number), static_cast<double>(c->units), near, plate(amp, c->far)});
       }
       const OpAmpCell& cell = opamp_cell(board_, amp);
       if (!cell.on)
         throw DesignError(fmt::format("op-amp {} of CAB {} is off", amp.node.number, amp.node.cab));
-      if (cell.reset_phase != 0)
-        network.switches.push_back(
-            {network.opamps[i].minus, network.opamps[i].out, clock(amp, cell.reset_clock), cell.reset_phase});
+      stage.opamps.push_back({cell.reset_phase, cell.reset_phase != 0 ? clock(amp, cell.reset_clock) : 0});
     }
     if (missing_clock_) throw DesignError("a switch is moved by a clock that the chip does not have");
-    network.output = 0;
-    if (periods.empty()) periods.push_back(2);  // nothing switches: any clock will do
   }
 
-  bool switches() const { return !network.switches.empty(); }
+  bool switches() const { return !periods_.empty(); }
+  /// Of its clocks; nothing switches: any clock will do.
+  std::vector<std::int64_t> periods() const { return switches() ? periods_ : std::vector<std::int64_t>{2}; }
+  ClockedNetwork network() const { return ClockedNetwork(network_of(stage), periods()); }
 
-  SwitchedNetwork network;
-  std::vector<std::int64_t> periods;  ///< of its clocks
+  StageSwitches stage;
   std::vector<LinkedSource> sources;  ///< of each input
 
  private:
@@ -156,46 +151,41 @@ class LoopNetwork {
       return 0;
     }
     const std::int64_t period = ticks_of(chip, *number);
-    const auto at = std::find(periods.begin(), periods.end(), period);
-    if (at != periods.end()) return static_cast<int>(at - periods.begin());
-    periods.push_back(period);
-    return static_cast<int>(periods.size()) - 1;
+    const auto at = std::find(periods_.begin(), periods_.end(), period);
+    if (at != periods_.end()) return static_cast<int>(at - periods_.begin());
+    periods_.push_back(period);
+    return static_cast<int>(periods_.size()) - 1;
   }
 
-  int plate(const BoardNode& amp, const SwitchWord& word) {
-    if (word.clock == SwitchWord::Clock::none && word.at[0].kind != Kind::open) return node(amp, word.at[0]);
-    const int own = network.add_node();
-    if (word.clock == SwitchWord::Clock::none) return own;
-    for (int phase = 1; phase <= 2; ++phase) {
-      const CircuitNode& end = word.at[static_cast<std::size_t>(phase - 1)];
-      if (end.kind != Kind::open)
-        network.switches.push_back({own, node(amp, end), clock(amp, word.clock), phase});
-    }
-    return own;
+  Plate plate(const BoardNode& amp, const SwitchWord& word) {
+    Plate out{node(amp, word.at[0]), node(amp, word.at[1])};
+    if (word.clock != SwitchWord::Clock::none && (out.phase1 != PlateNode{} || out.phase2 != PlateNode{}))
+      out.clock = clock(amp, word.clock);
+    return out;
   }
 
-  int node(const BoardNode& amp, const CircuitNode& at) {
-    if (at.kind == Kind::virtual_ground) return member({amp.chip, {Kind::opamp, at.cab, at.number}}, false);
-    if (at.kind != Kind::opamp && at.kind != Kind::pin) return 0;
+  PlateNode node(const BoardNode& amp, const CircuitNode& at) {
+    if (at.kind == Kind::open) return {};
+    if (at.kind == Kind::virtual_ground)
+      return member({amp.chip, {Kind::opamp, at.cab, at.number}}, PlateNode::Kind::virtual_ground);
+    if (at.kind != Kind::opamp && at.kind != Kind::pin) return PlateNode::ground();
     const LinkedSource source = behind_wires(board_, {amp.chip, at});
-    if (source.sampled_phase == 0 && contains(members_, source.node)) return member(source.node, true);
-    const auto known = std::find(sources.begin(), sources.end(), source);
-    if (known != sources.end()) return network.inputs[static_cast<std::size_t>(known - sources.begin())];
-    sources.push_back(source);
-    network.inputs.push_back(network.add_node());
-    return network.inputs.back();
+    if (source.sampled_phase == 0 && contains(members_, source.node))
+      return member(source.node, PlateNode::Kind::opamp);
+    auto known = std::find(sources.begin(), sources.end(), source);
+    if (known == sources.end()) known = sources.insert(known, source);
+    return PlateNode::input(static_cast<int>(known - sources.begin()) + 1);
   }
 
-  int member(const BoardNode& amp, bool output) const {
+  PlateNode member(const BoardNode& amp, PlateNode::Kind kind) const {
     const auto at = std::find(members_.begin(), members_.end(), amp);
-    if (at == members_.end()) return 0;
-    const auto& opamp = network.opamps[static_cast<std::size_t>(at - members_.begin())];
-    return output ? opamp.out : opamp.minus;
+    return at == members_.end() ? PlateNode::ground()
+                                : PlateNode{kind, static_cast<int>(at - members_.begin()) + 1};
   }
 
   const BoardCircuit& board_;
   std::vector<BoardNode> members_;
-  std::vector<const CapacitorCell*> placed_;
+  std::vector<std::int64_t> periods_;
   bool missing_clock_ = false;
 };
 
@@ -244,11 +234,11 @@ class PinNetworks {
     const std::array<std::size_t, 3> key{amp.chip, static_cast<std::size_t>(amp.node.cab),
                                          static_cast<std::size_t>(amp.node.number)};
     if (const auto known = known_.find(key); known != known_.end()) return known->second;
-    LoopNetwork loop(board_, loop_of(board_, amp));
-    loop.build();
+    StageReader loop(board_, loop_of(board_, amp));
+    loop.read();
     std::vector<Source> sources;
     for (const LinkedSource& one : loop.sources) sources.push_back(add(one));
-    return known_[key] = out_.add(ClockedNetwork(loop.network, loop.periods), std::move(sources));
+    return known_[key] = out_.add(loop.network(), std::move(sources));
   }
 
   const BoardCircuit& board_;
@@ -391,17 +381,17 @@ StageTransfer stage_of(const BoardCircuit& board, const BoardNode& amp) {
   out.half_period = opamp_cell(board, amp).reset_phase != 0;
   out.phase = opamp_cell(board, amp).reset_phase == 1 ? 2 : 1;
   const std::vector<BoardNode> members = loop_of(board, amp);
-  LoopNetwork loop(board, members);
+  StageReader loop(board, members);
   try {
-    loop.build();
-    if (loop.switches()) out.clock_divisor = static_cast<int>(loop.periods.front() / 2);
-    if (loop.periods.size() > 1)
+    loop.read();
+    if (loop.switches()) out.clock_divisor = static_cast<int>(loop.periods().front() / 2);
+    if (loop.periods().size() > 1)
       throw DesignError(
           fmt::format("op-amp {} of CAB {} is switched by two clocks", amp.node.number, amp.node.cab));
     const double scale = feedback_determinant(board, members);
     if (scale == 0.0)
       throw DesignError(fmt::format("op-amp {} of CAB {} has no feedback", amp.node.number, amp.node.cab));
-    find_polynomials(board, loop.sources, ClockedNetwork(loop.network, loop.periods), scale, out);
+    find_polynomials(board, loop.sources, loop.network(), scale, out);
   } catch (const DesignError& error) {
     out.obstacle = error.what();
   }

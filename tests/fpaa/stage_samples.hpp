@@ -15,7 +15,7 @@ struct StageSample {
   std::vector<double> late_periods;
 };
 
-/// Every CAM and option that says its switches (cam_library_test.cpp: none is missing).
+/// Every CAM and option that says its switches (cam_test.cpp: none is missing).
 inline std::vector<StageSample> stage_samples() {
   std::vector<StageSample> out;
   const auto add = [&](const char* cam, const char* option, std::vector<Capacitor> capacitors,

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "circuits.hpp"
 #include "faults/circuit_board.hpp"
 #include "schematic/analysis/response.hpp"
@@ -26,10 +28,10 @@ CircuitBoard board_of(const synthesis::Circuit& circuit, const std::vector<Hertz
   return CircuitBoard(circuit, measurement, Spread());
 }
 
-void expect_same(const Eigen::VectorXcd& quick, const std::vector<Complex>& anew) {
+void expect_same(const Eigen::VectorXcd& quick, const std::vector<Complex>& anew, double tolerance = 1e-8) {
   ASSERT_EQ(static_cast<std::size_t>(quick.size()), anew.size());
   for (std::size_t k = 0; k < anew.size(); ++k)
-    EXPECT_LT(std::abs(quick(static_cast<Eigen::Index>(k)) / anew[k] - 1.0), 1e-8) << k;
+    EXPECT_LT(std::abs(quick(static_cast<Eigen::Index>(k)) / anew[k] - 1.0), tolerance) << k;
 }
 
 TEST(CircuitBoard, AChangedPartIsWhatSolvingAnewFinds) {
@@ -188,6 +190,48 @@ TEST(CircuitBoard, SlopesAreThoseOfFiniteDifferences) {
       EXPECT_LT(std::abs(slope - at.slopes(k, static_cast<Eigen::Index>(i))), 1e-4 * sigma * 10.0) << i;
     }
   }
+}
+
+/// The size that files and words give is the value that, soldered in, shows what the fault's effect shows.
+TEST(FaultKinds, WhatAFaultSaysIsWhatItDoes) {
+  const synthesis::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid(6);
+  const CircuitBoard board = board_of(circuit, grid);
+  std::map<std::string_view, int> seen_of;
+  for (const Fault& fault : board.faults()) {
+    for (const double share : {0.0, 0.3, 1.0}) {
+      const double t = fault.from + share * (fault.to - fault.from);
+      const FaultSize size = fault.size(t);
+      if (size.key.empty()) continue;
+      SCOPED_TRACE(fault.words(t));
+      ++seen_of[fault.kind->name()];
+      const std::map<std::string, std::string> units = {
+          {"value_ohm", "Ω"}, {"value_f", "F"}, {"gain_bandwidth_hz", "Hz"}};
+      EXPECT_NE(fault.words(t).find(engineering_text(size.value, units.at(size.key))), std::string::npos);
+      synthesis::Circuit changed = circuit;
+      if (size.key == "gain_bandwidth_hz") {
+        EXPECT_NEAR(size.value, circuit.opamp.gain_bandwidth.value * std::exp(t), 1e-9 * size.value);
+        if (fault.covers.empty()) continue;  // a single one has no model of its own in a circuit
+        changed.opamp.gain_bandwidth.value = size.value;
+      } else if (const auto part = std::find_if(changed.parts.begin(), changed.parts.end(),
+                                                [&](const auto& one) { return one.name == fault.parts[0]; });
+                 part != changed.parts.end()) {
+        EXPECT_EQ(size.key, part->kind == schematic::Part::Kind::resistor ? "value_ohm" : "value_f");
+        part->realised = size.value;
+      } else {
+        const bool ohm = size.key == "value_ohm";
+        const std::string node =
+            fault.site == "the output" ? "out" : fault.site.substr(std::string("node ").size());
+        changed.parts.push_back({ohm ? schematic::Part::Kind::resistor : schematic::Part::Kind::capacitor,
+                                 "Zload", "", 0, node, "0", "exact", size.value, size.value});
+      }
+      // Dead op-amps leave little of the numbers.
+      expect_same(board.response(fault.effect(t)), solved(changed, grid), fault.covers.empty() ? 1e-8 : 1e-4);
+    }
+  }
+  for (const char* kind :
+       {"value_off", "wrong_decade", "opamp_too_slow", "capacitive_load", "resistive_load"})
+    EXPECT_GT(seen_of[kind], 0) << kind;
 }
 
 TEST(CircuitBoard, ANodeThatIsNotThereIsRefused) {

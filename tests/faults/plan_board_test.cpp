@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "circuits.hpp"
 #include "faults/diagnosis.hpp"
 #include "faults/plan_board.hpp"
@@ -104,6 +105,74 @@ TEST(PlanBoard, AWrongClockIsNamed) {
   cam.clock_a.value *= 0.5;
   const Diagnosis d = diagnosed_plan(built, 5);
   EXPECT_TRUE(accused(d, cam.name)) << d.suspects[0].site;
+}
+
+PlanBoard unmeasured(const std::vector<Hertz>& grid) {
+  Measurement measurement;
+  measurement.channels.push_back(seen(grid, std::vector<std::complex<double>>(grid.size(), 1.0), 1));
+  return {small_plan(), measurement, Spread()};
+}
+
+TEST(PlanBoard, WhatAFaultSaysIsWhatItDoes) {
+  const std::vector<Hertz> grid = log_grid({Hertz{10.0}, Hertz{1500.0}}, 6);
+  const PlanBoard board = unmeasured(grid);
+  std::size_t capacitors = 0, clocks = 0;
+  for (const Fault& fault : board.faults()) {
+    for (const double t : {fault.from, 0.5 * (fault.from + fault.to), fault.to}) {
+      const FaultSize size = fault.size(t);
+      const Effect effect = fault.effect(t);
+      if (size.key == "value_units") {
+        ASSERT_EQ(effect.units.size(), 1u);
+        const auto& [at, units] = effect.units[0];
+        EXPECT_EQ(fault.parts, std::vector{board.capacitors()[at]});
+        EXPECT_EQ(fault.replaces, std::vector{at});
+        EXPECT_EQ(units, size.value);
+        EXPECT_NE(fault.words(t).find(" has " + rounded_text(units, 3) + " units instead of "),
+                  std::string::npos);
+        // From a unit or so, or a share, to as many as a bank has: either way.
+        EXPECT_GE(std::abs(units - board.units()[at]), 0.5);
+        EXPECT_LE(std::abs(std::log(units / board.units()[at])), std::log(1000.0));
+        ++capacitors;
+      } else if (size.key == "clock_hz") {
+        ASSERT_FALSE(effect.clocks.empty());
+        for (const auto& [cam, factor] : effect.clocks)
+          EXPECT_NEAR(board.graph().nodes[cam].cam->clock_a.value * factor, size.value, 1e-9 * size.value);
+        EXPECT_NE(fault.words(t).find(engineering_text(size.value, "Hz", 4)), std::string::npos);
+        ++clocks;
+      } else {
+        EXPECT_FALSE(fault.has_size());
+        for (std::size_t i = 0; i < effect.units.size(); ++i) {
+          const double other = board.units()[effect.units[effect.units.size() - 1 - i].first];
+          EXPECT_NEAR(effect.units[i].second, effect.units.size() == 1 ? 0.0 : other, 1e-3) << fault.words(t);
+        }
+      }
+    }
+  }
+  EXPECT_GE(capacitors, 6 * board.units().size() / 2);
+  EXPECT_GT(clocks, 0u);
+}
+
+/// d ln H for one standard deviation of each capacitor, which is `unit_capacitor_percent`/sqrt(units).
+TEST(PlanBoard, SlopesAreThoseOfOneStandardDeviation) {
+  const std::vector<Hertz> grid = log_grid({Hertz{10.0}, Hertz{1500.0}}, 6);
+  const PlanBoard board = unmeasured(grid);
+  const Prediction good = board.predict({});
+  ASSERT_EQ(board.unknowns(), board.units().size());
+  for (std::size_t c = 0; c < board.unknowns(); ++c) {
+    const double units = board.units()[c];
+    ASSERT_GT(units, 0.0);
+    const double step = 1e-4;
+    Effect more, less;
+    more.units = {{c, units * (1.0 + step)}};
+    less.units = {{c, units * (1.0 - step)}};
+    const double sigma = 0.01 * Spread().unit_capacitor_percent / std::sqrt(units);
+    const Eigen::VectorXcd up = board.response(more), down = board.response(less);
+    for (Eigen::Index k = 0; k < up.size(); ++k)
+      EXPECT_LT(std::abs(std::log(up(k) / down(k)) / (2.0 * step) * sigma -
+                         good.slopes(k, static_cast<Eigen::Index>(c))),
+                1e-4 * sigma)
+          << board.capacitors()[c];
+  }
 }
 
 TEST(PlanBoard, OnlyTheOutputCanBeMeasured) {

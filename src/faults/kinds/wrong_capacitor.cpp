@@ -31,18 +31,16 @@ class WrongCapacitor : public FaultKind {
         Fault fault = start(board, i);
         fault.from = std::log(least);
         fault.to = std::log(most);
-        fault.effect = [i, units, sign](double t) {
+        const auto wrong = [units, sign](double t) { return units * std::exp(sign * std::exp(t)); };
+        fault.effect = [i, wrong](double t) {
           Effect effect;
-          effect.units = {{i, units * std::exp(sign * std::exp(t))}};
+          effect.units = {{i, wrong(t)}};
           return effect;
         };
-        fault.words = [name = board.capacitors()[i], units, sign](double t) {
-          return fmt::format("{} has {} units instead of {}", name,
-                             rounded_text(units * std::exp(sign * std::exp(t)), 3), units);
+        fault.words = [name = board.capacitors()[i], units, wrong](double t) {
+          return fmt::format("{} has {} units instead of {}", name, rounded_text(wrong(t), 3), units);
         };
-        fault.size = [units, sign](double t) {
-          return FaultSize{"value_units", units * std::exp(sign * std::exp(t))};
-        };
+        fault.size = [wrong](double t) { return FaultSize{"value_units", wrong(t)}; };
         out.push_back(std::move(fault));
       }
       Fault missing = start(board, i);

@@ -76,8 +76,7 @@ DynamicsBounds bounds_of(std::span<const TimeRecord> records) {
   // χ and Θ between where they act above the band and below it.
   const double fast = std::log(step_s);
   out.lower << std::log(0.05), std::log(0.02), 0.005, 0.05, 0.05, 0.9 * fast, 0.9 * fast;
-  out.upper << slow - 2.0, std::log(3.0), 1.5, 0.98, 0.98, std::log(std::max(longest, 1.0)) + 6.0,
-      std::log(std::max(longest, 1.0)) + 6.0;
+  out.upper << slow - 2.0, std::log(3.0), 1.5, 0.98, 0.98, fast + slow + 6.0, fast + slow + 6.0;
   out.typical << 1.0, 1.0, 0.1, 0.1, 0.1, 1.0, 1.0;
   return out;
 }

@@ -320,6 +320,29 @@ TEST(SpiceLibrary, DeviationsAreReadAsTheValues) {
   EXPECT_EQ(back.part_named("R9"), nullptr);
 }
 
+/// Each keeps its own, whatever the order in which the whole and the part of it have them; switch delays stay the whole's.
+TEST(Deviations, OfAPartOfANetlistGoByName) {
+  const Netlist whole = of_everything();
+  Deviations off = Deviations::none(whole);
+  const auto number = [](std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.01 * static_cast<double>(i + 1);
+  };
+  for (auto* values : {&off.part, &off.opamp_offset_v, &off.source}) number(*values);
+  Netlist some = whole;
+  std::reverse(some.parts.begin(), some.parts.end());
+  some.parts.erase(some.parts.begin() + 1);
+  std::reverse(some.opamps.begin(), some.opamps.end());
+  const Deviations got = off.of_part(some, whole);
+  ASSERT_EQ(got.part.size(), some.parts.size());
+  for (std::size_t i = 0; i < some.parts.size(); ++i) {
+    const auto at = std::find_if(whole.parts.begin(), whole.parts.end(),
+                                 [&](const Part& one) { return one.name == some.parts[i].name; });
+    EXPECT_EQ(got.part[i], off.part[static_cast<std::size_t>(at - whole.parts.begin())]);
+  }
+  EXPECT_EQ(got.opamp_offset_v, (std::vector{off.opamp_offset_v[1], off.opamp_offset_v[0]}));
+  EXPECT_EQ(got.source, off.source);
+}
+
 TEST(Netlists, GroupsAreSortedWithTheirElements) {
   Netlist n;
   n.groups = {{"b", Purpose::output}, {"a", Purpose::powers}, {"c", Purpose::output}};

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "base/files.hpp"
-#include "cli/kicad_reader.hpp"
 #include "run_program.hpp"
+#include "schematic/kicad_reader.hpp"
 
 namespace bodesmith {
 namespace {

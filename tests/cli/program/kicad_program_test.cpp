@@ -8,8 +8,8 @@
 
 #include "base/files.hpp"
 #include "cli/example_circuits.hpp"
-#include "cli/kicad_reader.hpp"
 #include "run_program.hpp"
+#include "schematic/kicad_reader.hpp"
 
 /// The sheets as KiCad itself understands them, where `kicad-cli` (KiCad 7 and later) is installed: it must find the
 /// nets that this house's reader finds, which the other tests compare with the netlists, and no electrical error.

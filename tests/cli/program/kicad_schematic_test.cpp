@@ -8,23 +8,14 @@
 
 #include "base/files.hpp"
 #include "cli/example_circuits.hpp"
-#include "cli/kicad_reader.hpp"
 #include "run_program.hpp"
+#include "schematic/kicad_reader.hpp"
 
 namespace bodesmith {
 namespace {
 
 /// compensator.sub with its stages written out, read by this test's own means.
-struct Netlist {
-  struct Element {
-    std::vector<std::string> nodes;  ///< of an op-amp: plus, minus, out
-    double value = 0.0;
-  };
-  std::map<std::string, Element> parts;   ///< R… and C…
-  std::map<std::string, Element> opamps;  ///< without the leading X
-};
-
-Netlist read_netlist(const std::string& path) {
+KicadNetlist read_netlist(const std::string& path) {
   struct Line {
     std::vector<std::string> words;
   };
@@ -44,7 +35,7 @@ Netlist read_netlist(const std::string& path) {
       bodies[inside].push_back(one);
     }
   }
-  Netlist out;
+  KicadNetlist out;
   for (const Line& call : bodies.at("compensator")) {
     const std::string number = call.words[0].substr(1);
     const std::string body =
@@ -57,7 +48,7 @@ Netlist read_netlist(const std::string& path) {
     };
     for (const Line& element : bodies.at(body)) {
       const std::string& name = element.words[0];
-      Netlist::Element one;
+      KicadNetlist::Element one;
       if (name[0] == 'X') {
         one.nodes = {node(element.words[1]), node(element.words[2]), node(element.words[3])};
         out.opamps[name.substr(1)] = one;
@@ -71,119 +62,11 @@ Netlist read_netlist(const std::string& path) {
   return out;
 }
 
-double value_of(const std::string& text) {
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  const std::map<std::string, double> prefixes = {{"", 1.0},   {"f", 1e-15}, {"p", 1e-12},
-                                                  {"n", 1e-9}, {"u", 1e-6},  {"m", 1e-3},
-                                                  {"k", 1e3},  {"M", 1e6},   {"G", 1e9}};
-  return number * prefixes.at(end);
-}
-
 /// The schematic joins exactly what the netlist joins, with the same parts and values.
 KicadSchematic expect_same(const std::string& folder, double tolerance = 0.0) {
-  const Netlist netlist = read_netlist(folder + "/compensator.sub");
-  const std::map<std::string, std::string> references = read_references(folder + "/bom.csv");
+  const KicadNetlist netlist = read_netlist(folder + "/compensator.sub");
   KicadSchematic schematic = read_kicad(folder);
-  EXPECT_FALSE(netlist.parts.empty());
-  EXPECT_EQ(schematic.dangling_ends, 0);
-  EXPECT_EQ(schematic.stacked_texts, 0);
-  EXPECT_FALSE(schematic.off_page);
-
-  std::map<std::string, int> net_of;
-  std::map<int, std::string> node_of;
-  const auto same = [&](const std::string& node, int net, const std::string& where) {
-    const int known = net_of.try_emplace(node, net).first->second;
-    const std::string& other = node_of.try_emplace(net, node).first->second;
-    EXPECT_EQ(known, net) << where << ": node " << node << " is in two pieces";
-    EXPECT_EQ(other, node) << where << ": two nodes are joined";
-  };
-  std::set<std::string> parts_drawn;
-  for (const auto& [name, part] : netlist.parts) {
-    if (!references.contains(name) || !schematic.components.contains(references.at(name))) {
-      ADD_FAILURE() << name << " is not drawn";
-      continue;
-    }
-    const auto& drawn = schematic.components.at(references.at(name));
-    parts_drawn.insert(references.at(name));
-    EXPECT_EQ(drawn.fields.at("Netlist"), name);
-    EXPECT_LE(std::abs(value_of(drawn.value) / part.value - 1.0), tolerance + 1e-12) << name << drawn.value;
-    EXPECT_FALSE(drawn.footprint.empty()) << name;
-    for (const char* field : {"Series", "Tolerance", "Wanted", "Realised", "Section"})
-      EXPECT_TRUE(drawn.fields.contains(field) && !drawn.fields.at(field).empty()) << name << field;
-    EXPECT_EQ(drawn.pin_nets.size(), 2U) << name;
-  }
-  // Op-amps first: their pins tell nodes apart, so that a part's two pins can be told apart too.
-  std::set<std::string> packages;
-  for (const auto& [name, opamp] : netlist.opamps) {
-    bool found = false;
-    for (const auto& [reference, drawn] : schematic.components) {
-      for (const int unit : {1, 2}) {
-        const auto field = drawn.fields.find("Netlist@" + std::to_string(unit));
-        if (field == drawn.fields.end() || field->second != name) continue;
-        found = true;
-        packages.insert(reference);
-        const bool dual = drawn.pin_nets.contains("8");
-        const char* const plus = unit == 2 ? "5" : "3";
-        const char* const minus = unit == 2 ? "6" : "2";
-        const char* const output = dual ? (unit == 2 ? "7" : "1") : "6";
-        same(opamp.nodes[0], drawn.pin_nets.at(plus), name);
-        same(opamp.nodes[1], drawn.pin_nets.at(minus), name);
-        same(opamp.nodes[2], drawn.pin_nets.at(output), name);
-        const char* const positive = dual ? "8" : "7";
-        EXPECT_TRUE(schematic.names.at(drawn.pin_nets.at(positive)).contains("VCC")) << reference;
-        EXPECT_TRUE(schematic.names.at(drawn.pin_nets.at("4")).contains("VEE")) << reference;
-      }
-    }
-    EXPECT_TRUE(found) << name << " is not drawn";
-  }
-  // Names tell the rest: every net has at most one, the node's own.
-  for (const auto& [net, names] : schematic.names) {
-    std::set<std::string> plain;
-    for (const std::string& name : names) plain.insert(name.substr(name.find_last_of('/') + 1));
-    if (plain.empty()) continue;
-    EXPECT_EQ(plain.size(), 1U) << *plain.begin() << " and " << *plain.rbegin() << " are one net";
-    const std::string node = *plain.begin() == "GND" ? "0" : *plain.begin();
-    if (node != "VCC" && node != "VEE") same(node, net, "label");
-  }
-  // Parts: by what is known of their nodes, until nothing new is learnt.
-  for (size_t pass = 0; pass <= netlist.parts.size(); ++pass) {
-    for (const auto& [name, part] : netlist.parts) {
-      if (!references.contains(name) || !schematic.components.contains(references.at(name))) continue;
-      const auto& pins = schematic.components.at(references.at(name)).pin_nets;
-      const int a = pins.at("1"), b = pins.at("2");
-      const std::string &p = part.nodes[0], &q = part.nodes[1];
-      const auto is = [&](const std::string& node, int net) {
-        return net_of.contains(node) && net_of.at(node) == net;
-      };
-      if (is(p, a) || is(q, b)) {
-        same(p, a, name);
-        same(q, b, name);
-      } else if (is(p, b) || is(q, a)) {
-        same(p, b, name);
-        same(q, a, name);
-      } else {
-        EXPECT_LT(pass, netlist.parts.size()) << name << " is connected to nothing known";
-      }
-    }
-  }
-  EXPECT_EQ(parts_drawn.size(), netlist.parts.size());
-  // Nothing else but what a board needs.
-  size_t extra = 0;
-  for (const auto& [reference, drawn] : schematic.components) {
-    if (parts_drawn.contains(reference) || packages.contains(reference)) continue;
-    ++extra;
-    EXPECT_TRUE(reference.starts_with("J") || drawn.value == "100n") << reference;
-  }
-  // Numbered without a gap: as many as there are of each letter.
-  for (const char* letter : {"R", "C", "U", "J"}) {
-    const auto has = [&](const std::string& name) { return schematic.components.contains(name); };
-    const auto count = std::count_if(schematic.components.begin(), schematic.components.end(),
-                                     [&](const auto& one) { return one.first.starts_with(letter); });
-    EXPECT_TRUE(count == 0 || (has(letter + std::string("1")) && has(letter + std::to_string(count))))
-        << letter;
-  }
-  EXPECT_EQ(extra, 3 + 2 * packages.size());
+  expect_joined(schematic, netlist, read_references(folder + "/bom.csv"), tolerance);
   EXPECT_TRUE(std::filesystem::exists(folder + "/compensator.kicad_pro"));
   EXPECT_TRUE(std::filesystem::exists(folder + "/bodesmith.kicad_sym"));
   return schematic;

@@ -20,8 +20,19 @@ struct KicadSchematic {
   std::map<int, std::set<std::string>> names;   ///< of a net: labels ("/" in front in a sub-sheet), supplies
   int dangling_ends = 0;                        ///< ends of wires where nothing else is
   int stacked_texts = 0;                        ///< references or values of two parts at one place
+  int overlaps = 0;                             ///< pairs of parts' bodies one upon the other
   bool off_page = false;
   int sheets = 0;
+};
+
+/// What a schematic has to show, read from elsewhere.
+struct KicadNetlist {
+  struct Element {
+    std::vector<std::string> nodes;  ///< of an op-amp: plus, minus, out
+    double value = 0.0;
+  };
+  std::map<std::string, Element> parts;   ///< R… and C…
+  std::map<std::string, Element> opamps;  ///< without the leading X
 };
 
 /// bom.csv: the drawing's reference by the netlist's name. Each line's quantity is held against its references.
@@ -29,5 +40,10 @@ std::map<std::string, std::string> read_references(const std::string& path);
 
 /// Throws std::runtime_error for what KiCad would not load.
 KicadSchematic read_kicad(const std::string& folder, const std::string& root = "compensator.kicad_sch");
+
+/// It joins exactly what the netlist joins, with the same parts and values, on its page, and has nothing else but what a board
+/// needs. `references`: by the netlist's names.
+void expect_joined(const KicadSchematic& schematic, const KicadNetlist& netlist,
+                   const std::map<std::string, std::string>& references, double tolerance);
 
 }  // namespace bodesmith

@@ -1,4 +1,4 @@
-#include "kicad_reader.hpp"
+#include "schematic/kicad_reader.hpp"
 
 #include <gtest/gtest.h>
 
@@ -191,11 +191,17 @@ class Reader {
     for (const auto& [p, count] : met) out_.dangling_ends += count < 2 ? 1 : 0;
   }
 
+  struct Box {
+    std::string of;
+    double left, right, low, high;
+  };
+
   template <class NetAt>
   void symbols(const Expression& top, NetAt net_at, std::map<Place, int>& met) {
     std::map<std::string, const Expression*> library;
     for (const Expression* symbol : top.get("lib_symbols").all("symbol")) library[symbol->text(1)] = symbol;
     std::set<Place> texts;
+    std::vector<Box> bodies;
     for (const Expression* symbol : top.all("symbol")) {
       const std::string& id = symbol->get("lib_id").text(1);
       const Expression& drawn = *library.at(id);
@@ -230,6 +236,24 @@ class Reader {
       for (const Expression* part : drawn.all("symbol")) {
         if (part->text(1) != name + "_" + std::to_string(unit) + "_1") continue;
         found_unit = true;
+        std::vector<std::pair<double, double>> corners;
+        points_of(*part, corners);
+        if (!supply && !corners.empty()) {
+          Box body{reference, 1e9, -1e9, 1e9, -1e9};
+          for (const auto& [px, y_up] : corners) {
+            const double py = y_up * (mirror != nullptr ? -1.0 : 1.0);
+            const double tx = px * std::cos(angle) - py * std::sin(angle),
+                         ty = px * std::sin(angle) + py * std::cos(angle);
+            body.left = std::min(body.left, x + tx), body.right = std::max(body.right, x + tx);
+            body.low = std::min(body.low, y - ty), body.high = std::max(body.high, y - ty);
+          }
+          for (const Box& other : bodies) {
+            const double across = std::min(body.right, other.right) - std::max(body.left, other.left);
+            const double down = std::min(body.high, other.high) - std::max(body.low, other.low);
+            out_.overlaps += across > 0.01 && down > 0.01 ? 1 : 0;
+          }
+          bodies.push_back(body);
+        }
         for (const Expression* pin : part->all("pin")) {
           // Library: y upwards. Mirrored about the x axis first, then turned counter-clockwise.
           const double px = pin->get("at").number(1);
@@ -253,6 +277,18 @@ class Reader {
     }
   }
 
+  /// Of what is drawn, pins and texts left out.
+  static void points_of(const Expression& drawn, std::vector<std::pair<double, double>>& out) {
+    for (const Expression& one : drawn.items) {
+      if (one.items.empty()) continue;
+      if (one.head() == "xy" || one.head() == "start" || one.head() == "end") {
+        out.emplace_back(one.number(1), one.number(2));
+      } else if (one.head() == "polyline" || one.head() == "rectangle" || one.head() == "pts") {
+        points_of(one, out);
+      }
+    }
+  }
+
   std::string folder_;
   KicadSchematic& out_;
   std::vector<int> parent_;
@@ -261,6 +297,123 @@ class Reader {
 };
 
 }  // namespace
+
+namespace {
+
+double value_of(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  const std::map<std::string, double> prefixes = {{"", 1.0},   {"f", 1e-15}, {"p", 1e-12},
+                                                  {"n", 1e-9}, {"u", 1e-6},  {"m", 1e-3},
+                                                  {"k", 1e3},  {"M", 1e6},   {"G", 1e9}};
+  return number * prefixes.at(end);
+}
+
+}  // namespace
+
+void expect_joined(const KicadSchematic& schematic, const KicadNetlist& netlist,
+                   const std::map<std::string, std::string>& references, double tolerance) {
+  EXPECT_FALSE(netlist.parts.empty());
+  EXPECT_EQ(schematic.dangling_ends, 0);
+  EXPECT_EQ(schematic.stacked_texts, 0);
+  EXPECT_EQ(schematic.overlaps, 0);
+  EXPECT_FALSE(schematic.off_page);
+
+  std::map<std::string, int> net_of;
+  std::map<int, std::string> node_of;
+  const auto same = [&](const std::string& node, int net, const std::string& where) {
+    const int known = net_of.try_emplace(node, net).first->second;
+    const std::string& other = node_of.try_emplace(net, node).first->second;
+    EXPECT_EQ(known, net) << where << ": node " << node << " is in two pieces";
+    EXPECT_EQ(other, node) << where << ": two nodes are joined";
+  };
+  std::set<std::string> parts_drawn;
+  for (const auto& [name, part] : netlist.parts) {
+    if (!references.contains(name) || !schematic.components.contains(references.at(name))) {
+      ADD_FAILURE() << name << " is not drawn";
+      continue;
+    }
+    const auto& drawn = schematic.components.at(references.at(name));
+    parts_drawn.insert(references.at(name));
+    EXPECT_EQ(drawn.fields.at("Netlist"), name);
+    EXPECT_LE(std::abs(value_of(drawn.value) / part.value - 1.0), tolerance + 1e-12) << name << drawn.value;
+    EXPECT_FALSE(drawn.footprint.empty()) << name;
+    for (const char* field : {"Series", "Tolerance", "Wanted", "Realised", "Section"})
+      EXPECT_TRUE(drawn.fields.contains(field) && !drawn.fields.at(field).empty()) << name << field;
+    EXPECT_EQ(drawn.pin_nets.size(), 2U) << name;
+  }
+  // Op-amps first: their pins tell nodes apart, so that a part's two pins can be told apart too.
+  std::set<std::string> packages;
+  for (const auto& [name, opamp] : netlist.opamps) {
+    bool found = false;
+    for (const auto& [reference, drawn] : schematic.components) {
+      for (const int unit : {1, 2}) {
+        const auto field = drawn.fields.find("Netlist@" + std::to_string(unit));
+        if (field == drawn.fields.end() || field->second != name) continue;
+        found = true;
+        packages.insert(reference);
+        const bool dual = drawn.pin_nets.contains("8");
+        const char* const plus = unit == 2 ? "5" : "3";
+        const char* const minus = unit == 2 ? "6" : "2";
+        const char* const output = dual ? (unit == 2 ? "7" : "1") : "6";
+        same(opamp.nodes[0], drawn.pin_nets.at(plus), name);
+        same(opamp.nodes[1], drawn.pin_nets.at(minus), name);
+        same(opamp.nodes[2], drawn.pin_nets.at(output), name);
+        const char* const positive = dual ? "8" : "7";
+        EXPECT_TRUE(schematic.names.at(drawn.pin_nets.at(positive)).contains("VCC")) << reference;
+        EXPECT_TRUE(schematic.names.at(drawn.pin_nets.at("4")).contains("VEE")) << reference;
+      }
+    }
+    EXPECT_TRUE(found) << name << " is not drawn";
+  }
+  // Names tell the rest: every net has at most one, the node's own.
+  for (const auto& [net, names] : schematic.names) {
+    std::set<std::string> plain;
+    for (const std::string& name : names) plain.insert(name.substr(name.find_last_of('/') + 1));
+    if (plain.empty()) continue;
+    EXPECT_EQ(plain.size(), 1U) << *plain.begin() << " and " << *plain.rbegin() << " are one net";
+    const std::string node = *plain.begin() == "GND" ? "0" : *plain.begin();
+    if (node != "VCC" && node != "VEE") same(node, net, "label");
+  }
+  // Parts: by what is known of their nodes, until nothing new is learnt.
+  for (size_t pass = 0; pass <= netlist.parts.size(); ++pass) {
+    for (const auto& [name, part] : netlist.parts) {
+      if (!references.contains(name) || !schematic.components.contains(references.at(name))) continue;
+      const auto& pins = schematic.components.at(references.at(name)).pin_nets;
+      const int a = pins.at("1"), b = pins.at("2");
+      const std::string &p = part.nodes[0], &q = part.nodes[1];
+      const auto is = [&](const std::string& node, int net) {
+        return net_of.contains(node) && net_of.at(node) == net;
+      };
+      if (is(p, a) || is(q, b)) {
+        same(p, a, name);
+        same(q, b, name);
+      } else if (is(p, b) || is(q, a)) {
+        same(p, b, name);
+        same(q, a, name);
+      } else {
+        EXPECT_LT(pass, netlist.parts.size()) << name << " is connected to nothing known";
+      }
+    }
+  }
+  EXPECT_EQ(parts_drawn.size(), netlist.parts.size());
+  // Nothing else but what a board needs.
+  size_t extra = 0;
+  for (const auto& [reference, drawn] : schematic.components) {
+    if (parts_drawn.contains(reference) || packages.contains(reference)) continue;
+    ++extra;
+    EXPECT_TRUE(reference.starts_with("J") || drawn.value == "100n") << reference;
+  }
+  // Numbered without a gap: as many as there are of each letter.
+  for (const char* letter : {"R", "C", "U", "J"}) {
+    const auto has = [&](const std::string& name) { return schematic.components.contains(name); };
+    const auto count = std::count_if(schematic.components.begin(), schematic.components.end(),
+                                     [&](const auto& one) { return one.first.starts_with(letter); });
+    EXPECT_TRUE(count == 0 || (has(letter + std::string("1")) && has(letter + std::to_string(count))))
+        << letter;
+  }
+  EXPECT_EQ(extra, 3 + 2 * packages.size());
+}
 
 KicadSchematic read_kicad(const std::string& folder, const std::string& root) {
   KicadSchematic out;

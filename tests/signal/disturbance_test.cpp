@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 
@@ -36,6 +39,24 @@ TEST(Disturbance, RateGainsAreLinearInLogFrequencyAndHeldAtTheEnds) {
   EXPECT_DOUBLE_EQ(d.rate_gain(Branch::descending, Hertz{1e6}), 1.17);
   EXPECT_TRUE(d.is_static(Branch::ascending));
   EXPECT_FALSE(d.is_static(Branch::descending));
+}
+
+/// Everywhere between 0 and `to`, wherever the parabola d' has its vertex.
+TEST(Disturbance, NowhereIsItSteeperThanItsSteepest) {
+  Disturbance d;
+  for (const double b : {-3.0, -0.9, 0.0, 0.4, 2.0}) {
+    for (const double c : {-1.5, -0.3, 0.0, 0.2, 1.0}) {
+      d.ascending = {0.4, b, c};
+      for (const double to : {0.3, 1.0}) {
+        double most = 0.0;
+        for (int i = 0; i <= 4000; ++i) {
+          const double x = to * i / 4000.0;
+          most = std::max(most, std::abs(0.4 + 2.0 * b * x + 3.0 * c * x * x));
+        }
+        EXPECT_NEAR(d.steepest(Branch::ascending, to), most, 1e-6) << b << " " << c << " " << to;
+      }
+    }
+  }
 }
 
 /// x' = x/s and d' = d/s of the same stage that goes no further than s: the paper's V.C.2.

@@ -8,6 +8,7 @@
 
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "lti/section_making.hpp"
 #include "numeric/random.hpp"
 
@@ -76,6 +77,54 @@ TEST(MeasuredFit, FindsOrderDelayAndRootsWithinTheirDeviations) {
   EXPECT_EQ(right, 1);
   EXPECT_NEAR(fit.rms_noise, 1.0, 0.3);
   EXPECT_FALSE(fit.orders.empty());
+}
+
+/// Roots, delay and their deviations go with the unit of time and the gain with that of the output; all else stays, words too. The
+/// record has a pole that its noise hardly lets be seen.
+TEST(MeasuredFit, UnitsOfTimeAndOutputChangeNothing) {
+  Sections truth = two_modes();
+  truth.delay_s = 20e-6;
+  const FrequencyRecord record = measured(truth, 150, 0.15, 11);
+  MeasuredFitOptions options;
+  options.order = 6;
+  const MeasuredFit here = fit_measured(record, options);
+  constexpr double kTime = 1024.0, kOutput = 1.0 / 64.0;
+  FrequencyRecord other = record;
+  for (Hertz& f : other.frequency) f.value *= kTime;
+  for (Complex& h : other.response) h *= kOutput;
+  const MeasuredFit there = fit_measured(other, options);
+  EXPECT_NEAR(there.delay_s * kTime, here.delay_s, 1e-3 * here.delay_deviation_s);
+  EXPECT_NEAR(there.delay_deviation_s * kTime, here.delay_deviation_s, 1e-3 * here.delay_deviation_s);
+  ASSERT_EQ(there.poles.size(), here.poles.size());
+  ASSERT_EQ(there.zeros.size(), here.zeros.size());
+  for (const auto roots : {&MeasuredFit::poles, &MeasuredFit::zeros}) {
+    for (std::size_t i = 0; i < (here.*roots).size(); ++i) {
+      const MeasuredFit::Root& a = (here.*roots)[i];
+      const MeasuredFit::Root& b = (there.*roots)[i];
+      EXPECT_NEAR(b.frequency.value / kTime, a.frequency.value, 1e-3 * std::abs(a.frequency.value));
+      EXPECT_NEAR(b.frequency_deviation.value / kTime, a.frequency_deviation.value,
+                  1e-2 * a.frequency_deviation.value);
+      EXPECT_NEAR(b.damping, a.damping, 1e-3);
+    }
+  }
+  EXPECT_NEAR(there.rms_db, here.rms_db, 1e-4);
+  EXPECT_NEAR(there.max_db, here.max_db, 1e-3);
+  EXPECT_NEAR(there.rms_percent, here.rms_percent, 1e-3 * here.rms_percent);
+  EXPECT_NEAR(there.noise_percent, here.noise_percent, 1e-3 * here.noise_percent);
+  EXPECT_NEAR(there.rms_noise, here.rms_noise, 1e-3);
+  EXPECT_EQ(there.warnings.size(), here.warnings.size());
+  // A pole is hardly determined when half its frequency or more is not known.
+  std::size_t hardly = 0;
+  for (const MeasuredFit::Root& pole : here.poles) {
+    const double percent = 100.0 * pole.frequency_deviation.value / std::abs(pole.frequency.value);
+    const bool warned = std::any_of(here.warnings.begin(), here.warnings.end(), [&](const std::string& one) {
+      return one.find("the pole at " + engineering_text(pole.frequency.value, "Hz") +
+                      " is hardly determined (" + rounded_text(percent, 2) + " %") != std::string::npos;
+    });
+    EXPECT_EQ(warned, percent > 50.0) << percent;
+    hardly += warned ? 1 : 0;
+  }
+  EXPECT_GT(hardly, 0u);
 }
 
 TEST(MeasuredFit, DeviationsAreThoseOfRepeatedMeasurements) {

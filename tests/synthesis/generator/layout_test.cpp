@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
+#include <tuple>
 
 #include "base/error.hpp"
 #include "synthesis/generator/at_rest.hpp"
@@ -122,6 +125,37 @@ TEST(Layout, CountsOfTheSchemes) {
       EXPECT_EQ(static_cast<int>(layout.multipliers.size()), chosen->multipliers);
     }
   }
+}
+
+/// Fewest multipliers, then op-amps, then least error among those whose error is at most 1.5 times the least and whose path is 20
+/// times as fast as the reference; the most accurate where none is.
+TEST(Layout, TheSchemeChosenIsTheCheapestThatIsGoodEnough) {
+  std::set<bool> met;
+  for (int degree = 3; degree <= 7; ++degree) {
+    const Polynomial wave{"b", std::vector<double>(static_cast<size_t>(degree), 0.1), {}};
+    for (const double highest : {1e3, 3e5, 1e6, 3e6, 1e9}) {
+      Options options;
+      options.highest = Hertz{highest};
+      const std::vector<Candidate> all = layout_of({wave, wave}, options).candidates;
+      double least = INFINITY;
+      for (const Candidate& one : all) least = std::min(least, one.rss_percent);
+      std::vector<std::tuple<int, int, double>> good, accurate;
+      std::optional<std::tuple<int, int, double>> chosen;
+      for (const Candidate& one : all) {
+        const std::tuple rank(one.multipliers, one.opamps, one.rss_percent);
+        if (one.rss_percent == least) accurate.push_back(rank);
+        if (one.rss_percent <= 1.5 * least && one.bandwidth.value >= 20.0 * highest) good.push_back(rank);
+        if (one.chosen) {
+          EXPECT_FALSE(chosen.has_value());
+          chosen = rank;
+        }
+      }
+      met.insert(good.empty());
+      const auto& from = good.empty() ? accurate : good;
+      EXPECT_EQ(chosen, *std::min_element(from.begin(), from.end())) << degree << " at " << highest;
+    }
+  }
+  EXPECT_EQ(met.size(), 2u);
 }
 
 TEST(Layout, BranchesAreChosenInPairs) {

@@ -196,6 +196,25 @@ TEST_F(Tune, ABandwidthBeyondTheDelayIsToldAndAReachableOneNamed) {
   EXPECT_TRUE(tune(family(DrawnPlant{}.sections()), kind(0), options).met());
 }
 
+/// Eight times as slow: gains go with the unit of time, margins and the bandwidth's place among the corners stay.
+TEST_F(Tune, TheUnitOfTimeChangesNothing) {
+  const DrawnPlant plant;
+  const DrawnPlant slow{plant.gain, 8.0 * plant.lag_s, 8.0 * plant.second_lag_s, 8.0 * plant.delay_s};
+  TuneOptions options;
+  options.limits.max_sensitivity = 1.9;
+  const TunedLoop here = tune(family(plant.sections()), kind(0), options);
+  const TunedLoop there = tune(family(slow.sections()), kind(0), options);
+  EXPECT_TRUE(here.met());
+  EXPECT_NEAR(8.0 * there.bandwidth.value / here.bandwidth.value, 1.0, 0.01);
+  const simulate::PidController& a = here.controller.pid;
+  const simulate::PidController& b = there.controller.pid;
+  EXPECT_NEAR(b.proportional / a.proportional, 1.0, 0.02);
+  EXPECT_NEAR(8.0 * b.integral_per_s / a.integral_per_s, 1.0, 0.02);
+  EXPECT_NEAR(b.derivative_s / 8.0 / a.derivative_s, 1.0, 0.02);
+  EXPECT_NEAR(8.0 * b.derivative_corner.value / a.derivative_corner.value, 1.0, 0.01);
+  EXPECT_NEAR(least_margins(there.members).max_sensitivity, least_margins(here.members).max_sensitivity, 0.02);
+}
+
 TEST_F(Tune, APlantThatIntegratesHasTheSignOfItsSlopeAtRest) {
   // -+40/(s (s/200 + 1)): at rest its phase is that of an integrator, not of a sign.
   for (const double gain : {40.0, -40.0}) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "brute_force.hpp"
@@ -130,6 +131,14 @@ TEST(KrasnoselskiiPokrovskii, RateParametersAreFoundFromTwoRates) {
   EXPECT_NEAR(found.model.parameters.number("a1"), 1.0, 0.01);
   EXPECT_NEAR(found.model.parameters.number("a2"), 3e-6, 5e-7);
   EXPECT_LT(testing::errors_of(found, records).rms_percent, 0.5);
+  const auto at_bound = [](const Identified& one) {
+    return std::any_of(one.notes.begin(), one.notes.end(),
+                       [](const std::string& note) { return note.starts_with("a2 is at its bound"); });
+  };
+  EXPECT_FALSE(at_bound(found));
+  // Loops that narrow with speed: what eq. 3 cannot follow is said.
+  std::swap(records[0].y, records[1].y);
+  EXPECT_TRUE(at_bound(model_type_registry().get("krasnoselskii_pokrovskii").identify(records, options)));
 }
 
 }  // namespace

@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <variant>
 #include <vector>
 
 #include "base/error.hpp"
+#include "chain/inverse.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "hysteresis/model_type.hpp"
@@ -64,6 +69,37 @@ TEST(HysteresisBlock, RelationsBetweenParametersAreRefusedAtTheLine) {
     EXPECT_EQ(std::string(error.what()).substr(0, 13), "model.toml:7:");
     EXPECT_NE(std::string(error.what()).find("is outside [-beta, beta]"), std::string::npos) << error.what();
   }
+}
+
+/// The block's kernel makes of the found input what was wanted, but for the samples that are told to be out of reach.
+TEST(HysteresisBlock, TheInputFoundGivesWhatWasWanted) {
+  std::size_t reached = 0, beyond = 0;
+  for (const Model& model : models()) {
+    const Block block = hysteresis_block(model);
+    const auto forward = [&](const std::vector<double>& u) {
+      const Kernel kernel = block.kernel();
+      MemoryKernel& memory = *std::get<std::unique_ptr<MemoryKernel>>(kernel);
+      std::vector<double> y;
+      for (std::size_t i = 0; i < u.size(); ++i)
+        y.push_back(i == 0 ? memory.reset(u[0], false) : memory.step(u[i], 0.01));
+      return y;
+    };
+    std::vector<double> wanted = forward({0.1, 0.5, 0.9, 0.6, 0.3, 0.35, 0.8, 0.2});
+    wanted.push_back(1e3);
+    const auto found = block.inverse({0.0, 0.01, wanted});
+    if (!found) continue;
+    ASSERT_EQ(found->values.size(), wanted.size()) << model.type->name();
+    const std::vector<double> got = forward(found->values);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const bool told =
+          std::find(found->out_of_reach.begin(), found->out_of_reach.end(), i) != found->out_of_reach.end();
+      EXPECT_EQ(told, std::abs(got[i] - wanted[i]) > 2e-3)
+          << model.type->name() << " at " << i << ": " << got[i] - wanted[i];
+      ++(told ? beyond : reached);
+    }
+  }
+  EXPECT_GT(reached, 20u);
+  EXPECT_GT(beyond, 0u);
 }
 
 TEST(HysteresisBlock, SaysWhichPolynomialsItHas) {

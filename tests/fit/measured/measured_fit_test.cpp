@@ -148,6 +148,29 @@ TEST(MeasuredFit, DeviationsAreThoseOfRepeatedMeasurements) {
   EXPECT_LT(std::sqrt(square) / stated, 1.6);
 }
 
+/// Noise that is ten times as great above 4 kHz says nothing of a mode far below: it is looked for where it is.
+TEST(MeasuredFit, NoiseElsewhereLeavesADeviationAsItIs) {
+  const Sections truth = two_modes();
+  FrequencyRecord quiet = measured(truth, 600, 0.01, 21);
+  FrequencyRecord loud = quiet;
+  for (std::size_t i = 0; i < loud.response.size(); ++i) {
+    const Complex h = truth.response(loud.frequency[i].rad_s());
+    if (loud.frequency[i].value > 4e3) loud.response[i] = h + 10.0 * (loud.response[i] - h);
+  }
+  MeasuredFitOptions options;
+  options.order = 5;
+  options.delay = false;
+  const auto of_first_mode = [&](const FrequencyRecord& record) {
+    for (const MeasuredFit::Root& pole : fit_measured(record, options).poles) {
+      if (std::abs(pole.frequency.value - 900.0) < 20.0) return pole.frequency_deviation.value;
+    }
+    return 0.0;
+  };
+  const double alone = of_first_mode(quiet);
+  EXPECT_GT(alone, 0.0);
+  EXPECT_NEAR(of_first_mode(loud) / alone, 1.0, 0.5);
+}
+
 TEST(MeasuredFit, WithoutNoiseTheResponseIsMetExactly) {
   MeasuredFitOptions options;
   options.order = 5;

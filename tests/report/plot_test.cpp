@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <regex>
+#include <vector>
 
 namespace bodesmith::report {
 namespace {
@@ -75,6 +77,115 @@ TEST(Plot, WhatIsWrittenStandsInThePicture) {
     }
   }
   EXPECT_GT(count, 8);
+}
+
+/// Numbers in the groups of every match.
+std::vector<std::vector<double>> all_of(const std::string& svg, const char* pattern) {
+  std::vector<std::vector<double>> out;
+  const std::regex expression(pattern);
+  for (std::sregex_iterator at(svg.begin(), svg.end(), expression), end; at != end; ++at) {
+    out.emplace_back();
+    for (std::size_t i = 1; i < at->size(); ++i) out.back().push_back(std::stod((*at)[i]));
+  }
+  return out;
+}
+
+/// Border, clip, grid, ticks, curves and marks: all by the two scales of the axes, which are given.
+TEST(Plot, EverythingStandsWhereItsAxesSay) {
+  for (const bool logarithmic : {false, true}) {
+    Plot plot;
+    plot.width = 700;
+    plot.height = 300;
+    plot.x = {"t", logarithmic, true, 1.0, 100.0};
+    plot.y = {"y", false, true, -3.0, 5.0};
+    const std::vector<double> x = {1.0, 4.0, 20.0, 100.0}, y = {-3.0, 2.0, 5.0, 0.0};
+    plot.series.push_back({"line", x, y});
+    plot.series.push_back({"marks", x, y, Series::Style::marks});
+    const std::string svg = to_svg(plot);
+    const auto border = all_of(
+        svg, "<rect x=\"([0-9.]+)\" y=\"([0-9.]+)\" width=\"([0-9.]+)\" height=\"([0-9.]+)\" fill=\"none\"");
+    ASSERT_EQ(border.size(), 1u);
+    const double left = border[0][0], top = border[0][1], right = left + border[0][2],
+                 bottom = top + border[0][3];
+    EXPECT_TRUE(0.0 < left && left < 100.0 && 0.0 < top && top < 50.0) << left << " " << top;
+    EXPECT_TRUE(670.0 < right && right < 700.0 && 230.0 < bottom && bottom < 280.0) << right << " " << bottom;
+    EXPECT_EQ(
+        all_of(
+            svg,
+            "<clipPath id=\"[^\"]*\"><rect x=\"([0-9.]+)\" y=\"([0-9.]+)\" width=\"([0-9.]+)\" height=\"([0-9.]+)\"/>"),
+        border);
+    const auto at_x = [&](double value) {
+      return left + (right - left) * (logarithmic ? std::log10(value) / 2.0 : (value - 1.0) / 99.0);
+    };
+    const auto at_y = [&](double value) { return bottom - (bottom - top) * (value + 3.0) / 8.0; };
+    const auto path =
+        all_of(svg, "d=\"M([0-9.]+) ([0-9.]+)L([0-9.]+) ([0-9.]+)L([0-9.]+) ([0-9.]+)L([0-9.]+) ([0-9.]+)\"");
+    const auto marks = all_of(svg, "<circle cx=\"([0-9.]+)\" cy=\"([0-9.]+)\"");
+    ASSERT_EQ(path.size(), 1u);
+    ASSERT_EQ(marks.size(), 5u);  // and one in the legend
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      EXPECT_NEAR(path[0][2 * i], at_x(x[i]), 0.006);
+      EXPECT_NEAR(path[0][2 * i + 1], at_y(y[i]), 0.006);
+      EXPECT_NEAR(marks[i][0], at_x(x[i]), 0.006);
+      EXPECT_NEAR(marks[i][1], at_y(y[i]), 0.006);
+    }
+    // Each label beside the line of its value.
+    const auto lines_up = all_of(svg, "<path d=\"M([0-9.]+) ([0-9.]+)V([0-9.]+)\" stroke=\"#dcdfe4\"");
+    const auto x_labels =
+        all_of(svg, "<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" text-anchor=\"middle\">([-0-9.]+)<");
+    ASSERT_EQ(x_labels.size(), lines_up.size());
+    EXPECT_GE(x_labels.size(), 3u);
+    for (std::size_t i = 0; i < x_labels.size(); ++i) {
+      EXPECT_EQ(lines_up[i], (std::vector{x_labels[i][0], top, bottom}));
+      EXPECT_NEAR(x_labels[i][0], at_x(x_labels[i][2]), 0.006);
+      EXPECT_TRUE(bottom + 5.0 < x_labels[i][1] && x_labels[i][1] < 300.0 - 12.0 - 9.0);
+    }
+    const auto across = all_of(svg, "<path d=\"M([0-9.]+) ([0-9.]+)H([0-9.]+)\"");
+    const auto y_labels =
+        all_of(svg, "<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" text-anchor=\"end\">([-0-9.]+)<");
+    ASSERT_EQ(y_labels.size(), across.size());
+    EXPECT_GE(y_labels.size(), 3u);
+    for (std::size_t i = 0; i < y_labels.size(); ++i) {
+      EXPECT_EQ(across[i], (std::vector{left, y_labels[i][1] - 4.0, right}));
+      EXPECT_NEAR(across[i][1], at_y(y_labels[i][2]), 0.006);
+      EXPECT_TRUE(left - 15.0 < y_labels[i][0] && y_labels[i][0] < left);
+    }
+    for (const auto& fine : all_of(svg, "<path d=\"M([0-9.]+) ([0-9.]+)V([0-9.]+)\" stroke=\"#f0f1f3\""))
+      EXPECT_TRUE(left < fine[0] && fine[0] < right && fine[1] == top && fine[2] == bottom);
+    // What the axes are: in the middle of each.
+    EXPECT_NEAR(all_of(svg, "<text x=\"([0-9.]+)\" y=\"[0-9.]+\" text-anchor=\"middle\" fill")[0][0],
+                0.5 * (left + right), 0.06);
+    EXPECT_NEAR(all_of(svg, "translate\\(16 ([0-9.]+)\\) rotate")[0][0], 0.5 * (top + bottom), 0.06);
+  }
+}
+
+/// Plots below one another, each under the last one's legend; names of a legend beside one another.
+TEST(Plot, StackedPlotsDoNotMeet) {
+  std::vector<Plot> plots(3);
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    for (std::size_t k = 0; k < 5 * i; ++k)
+      plots[i].series.push_back({fmt::format("name {} of a series", k), {0.0, 1.0}, {0.0, 1.0}});
+  }
+  const std::string svg = stack_svg(plots);
+  const auto begins = all_of(svg, "<g transform=\"translate\\(0 ([0-9.]+)\\)\"");
+  ASSERT_EQ(begins.size(), 3u);
+  const auto names = all_of(svg, "<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" fill=\"#1b1f24\">name ([0-9]+)");
+  ASSERT_EQ(names.size(), 15u);
+  EXPECT_EQ(begins[1][0], plots[0].height);  // without a name there is no legend
+  const double last = std::max_element(names.begin(), names.begin() + 5, [](const auto& a, const auto& b) {
+                        return a[1] < b[1];
+                      })->at(1);
+  EXPECT_TRUE(begins[2][0] > begins[1][0] + last + 3.0 && begins[2][0] < begins[1][0] + last + 25.0);
+  const auto size = all_of(svg, "viewBox=\"0 0 ([0-9]+) ([0-9]+)\" width=\"([0-9]+)\" height=\"([0-9]+)\"");
+  EXPECT_EQ(size[0][0], plots[0].width);
+  EXPECT_EQ(size[0][2], size[0][0]);
+  EXPECT_EQ(size[0][3], size[0][1]);
+  EXPECT_GT(size[0][1], begins[2][0] + names.back()[1] + 3.0);
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    if (names[i][1] == names[i - 1][1] && names[i][2] > names[i - 1][2]) {
+      EXPECT_GT(names[i][0], names[i - 1][0] + 100.0);
+    }
+  }
 }
 
 TEST(Plot, ALongRecordIsThinnedToWhatCanBeSeen) {

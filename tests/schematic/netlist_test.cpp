@@ -66,6 +66,30 @@ TEST(InTime, ASineThroughAnRcIsItsResponse) {
   EXPECT_NEAR(run.volts("out", end), std::abs(h) * std::sin(w * end + std::arg(h)), 2e-5);
 }
 
+/// Op-amps of either type, of their own bandwidth and output resistance: what the small signal's equations say.
+TEST(InTime, ASineThroughOpAmpsIsTheirResponse) {
+  for (const double hz : {2e5, 5e6}) {
+    for (const double ohm : {20.0, 400.0}) {
+      Netlist n;
+      n.parts = {ohms("R1", "in", "m", 1e3), ohms("R2", "m", "a", 5e3), farads("C1", "a", "0", 2e-9),
+                 ohms("R3", "out", "0", 1e4)};
+      n.opamps = {{"U1", "", 0, "0", "m", "a"}, {"U2", "", 0, "a", "out", "out", true}};
+      n.opamp.gain_bandwidth = Hertz{hz};
+      n.opamp.output_resistance_ohm = ohm;
+      n.fast_opamp.gain_bandwidth = Hertz{3.0 * hz};
+      n.fast_opamp.output_resistance_ohm = 2.0 * ohm;
+      const double w = 2.0 * M_PI * 2e4;
+      InTime run(n, [w](double t) { return 0.01 * std::sin(w * t); });
+      run.begin(0.0);
+      const double end = 6e-4;
+      run.run_to(end);
+      const std::complex<double> h = network_response(n, {Hertz{2e4}}).front();
+      EXPECT_NEAR(run.volts("out", end), 0.01 * std::abs(h) * std::sin(w * end + std::arg(h)), 3e-6)
+          << hz << " " << ohm;
+    }
+  }
+}
+
 TEST(InTime, AnOpAmpSlewsAtItsRate) {
   Netlist follower;
   follower.parts = {ohms("Rl", "out", "0", 1e6)};

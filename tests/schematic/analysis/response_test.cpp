@@ -96,6 +96,21 @@ TEST(Sensitivity, TheAdjointIsTheDifferenceQuotient) {
   }
 }
 
+/// A diode has no value to be off by; it loads the circuit by its slope all the same.
+TEST(Sensitivity, ADiodeHasNone) {
+  Netlist n = sallen_key();
+  n.parts.push_back({Part::Kind::diode, "D1", "", 0, "out", "0", "1N4148", 0.0, 0.0});
+  const auto with = log_sensitivities(Equations(n), n.parts.size(), {2e4});
+  EXPECT_EQ(with.back(), 0.0);
+  constexpr double kStep = 1e-5;
+  Netlist up = n, down = n;
+  up.parts[0].realised *= std::exp(kStep);
+  down.parts[0].realised *= std::exp(-kStep);
+  const Complex slope =
+      std::log(Equations(up).response({2e4}) / Equations(down).response({2e4})) / (2.0 * kStep);
+  EXPECT_LT(std::abs(with[0] - slope), 1e-7);
+}
+
 TEST(ResponseOfParts, IsThatOfTheNetlistWithTheseParts) {
   Netlist netlist = sallen_key();
   const std::vector<Hertz> grid{Hertz{0.0}, Hertz{50.0}, Hertz{3e3}, Hertz{1e6}};

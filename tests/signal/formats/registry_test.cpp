@@ -200,6 +200,31 @@ TEST(Touchstone, FrequenciesAreInTheUnitOfTheOptionLine) {
   }
 }
 
+// No logarithm has a place for 0 Hz or for a magnitude of 0; a sweep may fall.
+TEST(ForeignTables, PointsAtZeroAreLeftOutAndSaid) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> rows = {"0,1,0", "1,3,4", "2,0,0", "3,0,-2", "4,0,0", "5,1,0"};
+  for (const bool falls : {false, true}) {
+    std::string text = "freq [kHz],Real,Imag\n";
+    for (std::size_t i = 0; i < rows.size(); ++i) text += rows[falls ? rows.size() - 1 - i : i] + "\n";
+    write_file(folder / "table.csv", text);
+    Provenance from;
+    const FrequencyRecord record = FrequencyRecord::read_csv(folder / "table.csv", from);
+    ASSERT_EQ(record.frequency.size(), 3u);
+    const std::vector<Complex> wanted = {{3.0, 4.0}, {0.0, -2.0}, {1.0, 0.0}};
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(record.frequency[i].value, 1000.0 + 2000.0 * static_cast<double>(i), 1e-9);
+      EXPECT_LT(std::abs(record.response[i] - wanted[i]), 1e-9);
+    }
+    EXPECT_THAT(from.inputs[0].read_as, HasSubstr("the point at 0 Hz left out"));
+    EXPECT_THAT(from.inputs[0].read_as, HasSubstr("2 points of magnitude 0 left out"));
+    EXPECT_EQ(from.inputs[0].read_as.find("falling sweep turned round") != std::string::npos, falls);
+  }
+  write_file(folder / "table.csv", "freq [kHz],Real,Imag\n0,1,0\n1,0,0\n");
+  Provenance from;
+  EXPECT_THROW(FrequencyRecord::read_csv(folder / "table.csv", from), InputError);
+}
+
 TEST(ForeignRecords, UnevenStepsOfSimulatorsBecomeEvenAndTheDepartureIsSaid) {
   for (const char* name : {"ltspice_tran.raw", "ltspice_tran_fast.raw:v(in),v(out)"}) {
     Provenance from;

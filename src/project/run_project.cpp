@@ -84,7 +84,7 @@ Run run_project(const ProjectSource& source, const fs::path& folder) {
   std::vector<TrackedCandidate> candidates;
   tracking::Report followed;
   CircuitTracked circuit;
-  BoardsInTime board;
+  std::vector<BoardsInTime> boards(2);
   std::vector<TrackedElsewhere> elsewhere;
 
   Stages stages;
@@ -133,14 +133,17 @@ Run run_project(const ProjectSource& source, const fs::path& folder) {
   const auto simulated =
       with_plant({design}, [&] { circuit = track_circuit(project, run.design, candidates); });
   const auto clocked =
-      with_plant({design}, [&] { board = track_board_in_time(project, run.design, candidates); });
+      with_plant({design}, [&] { boards[0] = track_board_in_time(project, run.design, candidates); });
+  const auto clocked_controller = with_plant({controllers_tracked}, [&] {
+    if (!project.deadline.passed()) boards[1] = track_board_controller_in_time(project, controllers.here);
+  });
   const auto there = with_plant({design, controllers_tracked}, [&] {
     if (!project.deadline.passed()) elsewhere = tracked_elsewhere(project, candidates, controllers);
   });
-  const auto study = with_plant({here, clocked, simulated, there}, [&] {
+  const auto study = with_plant({here, clocked, clocked_controller, simulated, there}, [&] {
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,
                                   std::move(elsewhere));
-    run.tracking.engines = engine_rows(run.tracking, followed, circuit, board);
+    run.tracking.engines = engine_rows(run.tracking, followed, circuit, boards);
     run.tracking.compute_s = tracking_watch.seconds();
   });
   stages.add({files, ngspice, studies, study}, [&] {

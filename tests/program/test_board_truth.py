@@ -147,3 +147,42 @@ def test_run_and_streams_make_the_same_plan(tmp_path):
             chip.pop("pins", None)
     assert plans[0]["chips"] == plans[1]["chips"] == plans[2]["chips"]
     assert plans[0]["total"] == plans[1]["total"] == plans[2]["total"]
+
+
+def cubic(a, x):
+    return x * (a[0] + x * (a[1] + x * a[2]))
+
+
+@pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")
+def test_ngspice_drives_the_stage_as_the_controller_on_the_board_is_told_to(tmp_path):
+    """`fpaa controller`: the error that it states, by ngspice on its netlist and a stage that is worked out here."""
+    hz, clock, gain = 800, 250e3, 1.12
+    made = {"schema": "bodesmith.disturbance/1", "ascending": [0.31, -0.52, 0.21], "descending": [-0.2, 0.05, 0.15],
+            "rate": {"frequency_hz": [1, 500], "ascending": [1, 1], "descending": [gain, gain]}}  # fmt: skip
+    (tmp_path / "d.json").write_text(json.dumps(made))
+    done = run("fpaa", "controller", "d.json", "--polynomial", "outside", "--structure", "loop", "--track-hz", hz,
+               "--fast-clock-hz", clock, "-o", "out", cwd=tmp_path)  # fmt: skip
+    assert done.status == 0, done.err
+    half = 0.5 / hz
+    start = math.ceil(0.2e-3 * clock) / clock  # the loop settles: falling, then one period from an edge of the clock on
+    (tmp_path / "truth.cir").write_text(
+        f"truth\n.include out/board_controller.sub\nVr r 0 PWL(0 {start / half:.12g} {start:.12g} 0"
+        f" {start + half:.12g} 1 {start + 2 * half:.12g} 0)\nVu up 0 PWL(0 0 {start - 1e-9:.12g} 0 {start:.12g} 1"
+        f" {start + half - 1e-9:.12g} 1 {start + half:.12g} 0)\nXc r up v controller\nRload v 0 1e9\n"
+        ".options method=gear maxord=1 trtol=100 reltol=1e-4 abstol=1e-14 vntol=1e-8 chgtol=1e-15 gmin=1e-13\n.control\n"
+        f"tran {1 / clock:.9g} {start + 2 * half:.15g} 0 {0.5 / clock:.9g}\n"
+        "set wr_singlescale\nset numdgt=14\nwrdata truth.txt v(v)\nquit 0\n.endc\n.end\n"
+    )
+    subprocess.run(["ngspice", "-b", "truth.cir"], cwd=tmp_path, capture_output=True, timeout=100)
+    table = np.loadtxt(tmp_path / "truth.txt")
+    count = 8192
+    phase = (np.arange(count) + 0.5) / count
+    v = np.interp(start + 2 * half * phase, table[:, 0], table[:, 1])
+    up = phase < phase[np.argmax(v)]
+    y = v + np.where(up, cubic(made["ascending"], v), gain * cubic(made["descending"], v))
+    errors = [
+        100 * np.sqrt(np.mean((y - np.interp((phase - late) % 1, [0, 0.5, 1], [0, 1, 0])) ** 2))
+        for late in np.linspace(0, 0.02, 401)
+    ]
+    stated = np.genfromtxt(tmp_path / "out/tracking.csv", delimiter=",", names=True)
+    assert abs(min(errors) - stated["controller_fpaa_outside_loop_percent"]) < 0.01, (min(errors), stated)

@@ -15,6 +15,7 @@
 #include "fpaa/controller/controller.hpp"
 #include "fpaa/controller/gains.hpp"
 #include "fpaa/controller/io.hpp"
+#include "fpaa/controller/netlist.hpp"
 #include "fpaa/controller/scale.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/streams/stream_output.hpp"
@@ -113,6 +114,13 @@ void write_controller(const std::filesystem::path& folder, const fpaa::Controlle
   const std::string sets = fpaa::gain_sets_csv(controller.best(), disturbance);
   if (!sets.empty()) out.add("gain_sets.csv", sets);
   if (const auto* made = std::get_if<fpaa::ControllerStreams>(&streams)) out.include("stream", made->files);
+  if (controller.best().by == fpaa::PolynomialBy::outside) {
+    const Hertz served = tracking.frequency.back();
+    out.add("board_controller.sub",
+            fpaa::controller_netlist(controller.best().at(disturbance, served), {},
+                                     fmt::format("FPAA controller ({}), gains for {} Hz",
+                                                 controller.best().name(), rounded_text(served.value))));
+  }
   out.add("board.svg", fpaa::board_picture_svg(plan, fpaa::pin_signals(controller.best())));
   const fpaa::ControllerVariant* tables = &controller.best();
   for (const fpaa::ControllerVariant& v : controller.variants) {

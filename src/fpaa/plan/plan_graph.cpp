@@ -135,12 +135,12 @@ double ticks_per_second(const Board& board) {
   return 2.0 * board.master_clock.value;
 }
 
-StageSwitches switches_of(const PlanGraph::PlanNode& node) {
-  auto stage = node.cam->cam->switches(*node.cam);
+StageSwitches switches_of(const PlacedCam& cam, const std::string& name) {
+  auto stage = cam.cam->switches(cam);
   if (!stage) {
     throw DesignError(
         fmt::format("the switches of {} ({}) are not known, expected only CAMs made of switched capacitors",
-                    node.name, node.cam->cam_name()));
+                    name, cam.cam_name()));
   }
   return *std::move(stage);
 }

@@ -40,8 +40,8 @@ struct PlanGraph {
   double tick_rate = 32e6;         ///< ticks a second
 };
 
-/// The switches of a node's CAM as the plan has it. Throws DesignError where they are not known.
-StageSwitches switches_of(const PlanGraph::PlanNode& node);
+/// The switches of a CAM as it is placed. Throws DesignError, by its name, where they are not known.
+StageSwitches switches_of(const PlacedCam& cam, const std::string& name);
 
 /// Refused: a wire from or to what is not there, two wires to one input, an input the CAM does not have, a
 /// loop without any delay.

@@ -20,7 +20,7 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
       units_.push_back(c.units);
       names_.push_back(node.name + "." + c.name);
     }
-    inputs.push_back(static_cast<std::size_t>(switches_of(node).inputs()));
+    inputs.push_back(static_cast<std::size_t>(switches_of(*node.cam, node.name).inputs()));
   }
   network_of_.assign(graph_.nodes.size(), 0);
   for (const std::size_t n : graph_.order) {

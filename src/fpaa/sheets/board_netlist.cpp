@@ -86,18 +86,21 @@ std::string subcircuit_name(std::string name) {
   return name;
 }
 
-std::string source_name(const PlanGraph& graph, const PlanGraph::Source& source) {
-  return source.node ? "o_" + subcircuit_name(graph.nodes[*source.node].name) : "in";
-}
-
 }  // namespace
 
-std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title) {
-  const PlanGraph graph = value_or_throw(plan_graph(plan));
-  std::map<std::int64_t, std::size_t> clocks;
-  for (const auto& node : graph.nodes) clocks.emplace(node.period, clocks.size() + 1);
+std::string output_node(const std::string& name) {
+  return "o_" + subcircuit_name(name);
+}
+
+std::string switched_library(const std::string& top, const std::string& what,
+                             const std::vector<NetlistStage>& stages, const std::vector<std::string>& links,
+                             const NetlistParts& parts, const std::string& title) {
+  std::map<double, std::size_t> clocks;
+  for (const NetlistStage& stage : stages) clocks.emplace(stage.period_s, clocks.size() + 1);
   Json data{{"title", title},
             {"version", kVersion},
+            {"top", top},
+            {"what", what},
             {"unit_f", spice_number(parts.unit_capacitance_f)},
             {"on_ohm", spice_number(parts.switch_on_ohm)},
             {"off_ohm", spice_number(parts.switch_off_ohm)},
@@ -106,33 +109,41 @@ std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std
             {"gain", spice_number(parts.opamp.gain)},
             {"clocks", Json::array()},
             {"cams", Json::array()},
-            {"links", Json::array()}};
-  for (const auto& [period, number] : clocks) {
-    data["clocks"].push_back(board_clock_json(number, static_cast<double>(period) / graph.tick_rate, parts));
-  }
-  for (const auto& node : graph.nodes) {
-    const PlacedCam& cam = *node.cam;
+            {"links", links}};
+  for (const auto& [period_s, number] : clocks)
+    data["clocks"].push_back(board_clock_json(number, period_s, parts));
+  for (const NetlistStage& stage : stages) {
     std::string pins;
-    std::string nodes;
-    for (std::size_t i = 1; i <= cam.input_count(); ++i) {
-      pins += fmt::format("in{} ", i);
-      const auto input = std::find_if(node.inputs.begin(), node.inputs.end(),
-                                      [&](const PlanGraph::Input& one) { return one.number == i; });
-      nodes += (input == node.inputs.end() ? "0" : source_name(graph, input->from)) + " ";
-    }
-    const std::string name = subcircuit_name(node.name);
-    const std::size_t clock = clocks.at(node.period);
-    data["cams"].push_back({{"name", node.name},
-                            {"what", fmt::format("{} {}, {} Hz", cam.cam_name(), cam.option,
-                                                 rounded_text(cam.clock_a.value, 7))},
-                            {"subcircuit", name},
+    for (std::size_t i = 1; i <= stage.inputs.size(); ++i) pins += fmt::format("in{} ", i);
+    const std::size_t clock = clocks.at(stage.period_s);
+    data["cams"].push_back({{"name", stage.name},
+                            {"what", fmt::format("{} {}, {} Hz", stage.cam->cam_name(), stage.cam->option,
+                                                 rounded_text(stage.cam->clock_a.value, 7))},
+                            {"subcircuit", subcircuit_name(stage.name)},
                             {"pins", pins + "out p1 p2"},
-                            {"nodes", nodes + fmt::format("o_{0} c{1}p1 c{1}p2", name, clock)},
-                            {"elements", stage_lines(switches_of(node), parts)}});
+                            {"nodes", fmt::format("{} {} c{}p1 c{}p2", join(stage.inputs, " "),
+                                                  output_node(stage.name), clock, clock)},
+                            {"elements", stage_lines(switches_of(*stage.cam, stage.name), parts)}});
   }
-  if (!graph.output) throw DesignError("no wire leads to an output pin, expected one");
-  data["links"] = {fmt::format("Eout out 0 {} 0 1", source_name(graph, *graph.output))};
   return render_template("fpaa/board.sub", data);
+}
+
+std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title) {
+  const PlanGraph graph = value_or_throw(plan_graph(plan));
+  if (!graph.output) throw DesignError("no wire leads to an output pin, expected one");
+  const auto node_of = [&](const PlanGraph::Source& source) {
+    return source.node ? output_node(graph.nodes[*source.node].name) : "in";
+  };
+  std::vector<NetlistStage> stages;
+  for (const auto& node : graph.nodes) {
+    NetlistStage& stage = stages.emplace_back(NetlistStage{node.name,
+                                                           node.cam,
+                                                           static_cast<double>(node.period) / graph.tick_rate,
+                                                           {node.cam->input_count(), "0"}});
+    for (const PlanGraph::Input& input : node.inputs) stage.inputs[input.number - 1] = node_of(input.from);
+  }
+  return switched_library("board in out", "the plan", stages,
+                          {fmt::format("Eout out 0 {} 0 1", node_of(*graph.output))}, parts, title);
 }
 
 std::string board_deck_options() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "fpaa/network/settling.hpp"
@@ -30,6 +31,20 @@ struct NetlistParts {
 /// that do not overlap, all clocks start at t = 0 with phase 1. Op-amps have one pole (OpAmpModel) and
 /// an ideal output. Throws DesignError for a plan with a CAM whose switches are not known.
 std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title);
+
+/// A CAM of such a netlist.
+struct NetlistStage {
+  std::string name;  ///< "chip1.Section1a"
+  const PlacedCam* cam = nullptr;
+  double period_s = 0.0;            ///< of its clock
+  std::vector<std::string> inputs;  ///< nodes; "0" where nothing is wired
+};
+/// The node at the output of the CAM of this name.
+std::string output_node(const std::string& name);
+/// Such a netlist with the top `.subckt top`, "board in out", and what else stands in it, a line each. `what` is said to be in it.
+std::string switched_library(const std::string& top, const std::string& what,
+                             const std::vector<NetlistStage>& stages, const std::vector<std::string>& links,
+                             const NetlistParts& parts, const std::string& title);
 
 /// board.cir: a sine in the middle of the plan's band through it, for ngspice; nearer to the band's upper end where
 /// the fastest clock would turn too often.

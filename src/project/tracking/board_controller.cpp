@@ -102,22 +102,41 @@ int BoardController::part_count() const {
   return static_cast<int>(variant_.cams.size() + variant_.outside.size());
 }
 
-tracking::DriveWaveform BoardController::drive(const tracking::Reference& reference, Hertz operating) const {
+fpaa::ControllerVariant BoardController::serving(Hertz operating) const {
+  return variant_.at(disturbance_,
+                     fpaa::serving_frequency(fpaa::gain_set_frequencies(disturbance_), operating));
+}
+
+tracking::DriveWaveform BoardController::drive(const tracking::Reference& reference, Hertz operating,
+                                               double first) const {
   const double repeat = static_cast<double>(reference.periods()) / operating.value;
   const auto phase = [repeat](double t) {
     const double turns = t / repeat;
     return turns - std::floor(turns);
   };
-  const Hertz served = fpaa::serving_frequency(fpaa::gain_set_frequencies(disturbance_), operating);
-  fpaa::ControllerRun run(variant_.at(disturbance_, served),
+  fpaa::ControllerRun run(serving(operating),
                           {[&](double t) { return reference.value(phase(t)); },
                            [&](double t) { return tracking::Reference::rises(reference.piece(phase(t))); }});
   const std::size_t count = sample_count(repeat, fastest_clock(variant_));
   tracking::DriveWaveform out;
   out.step_s = repeat / static_cast<double>(count);
-  for (std::size_t i = 0; i < count; ++i) out.v.push_back(run.drive(static_cast<double>(i) * out.step_s));
+  for (std::size_t i = 0; i < count; ++i)
+    out.v.push_back(run.drive((static_cast<double>(i) + first) * out.step_s));
   out.clipped = run.clipped();
   return out;
+}
+
+std::vector<fpaa::ControllerVariant> board_controllers(const Project& project) {
+  if (!project.fpaa || project.choice != Project::Choice::tracking) return {};
+  fpaa::ControllerOptions options;
+  options.board = project.fpaa->board;
+  auto made = fpaa::make_controller(project.target.disturbance, nullptr, nullptr, options);
+  auto* board = std::get_if<fpaa::Controller>(&made);
+  if (board == nullptr) return {};
+  std::erase_if(board->variants, [](const fpaa::ControllerVariant& one) {
+    return !one.fits() || one.structure != fpaa::ControllerStructure::loop;
+  });
+  return std::move(board->variants);
 }
 
 BoardTracking track_board(const fpaa::Controller& controller, const Disturbance& disturbance,

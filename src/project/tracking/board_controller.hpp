@@ -22,12 +22,21 @@ class BoardController final : public tracking::BuiltController {
   std::string name() const override;  ///< "FPAA controller (lookup, loop)"
   /// CAMs, and parts outside.
   int part_count() const override;
-  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override;
+  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override {
+    return drive(reference, operating, 0.0);
+  }
+  /// Its first sample a share of a step after the repeat begins.
+  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating, double first) const;
+  /// With the capacitors that the host has sent.
+  fpaa::ControllerVariant serving(Hertz operating) const;
 
  private:
   fpaa::ControllerVariant variant_;
   Disturbance disturbance_;
 };
+
+/// Those fed by their own drive that fit the project's board, in every way to make the polynomials.
+std::vector<fpaa::ControllerVariant> board_controllers(const Project& project);
 
 /// One way of driving the stage, tracked at every frequency.
 struct BoardTrackingRow : TrackedDesign {

@@ -4,16 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
 #include <set>
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
+#include "fpaa/controller/netlist.hpp"
 #include "fpaa/plan/board_run.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 #include "fpaa/sheets/board_netlist.hpp"
 #include "numeric/parallel_for.hpp"
+#include "project/tracking/board_controller.hpp"
 #include "project/tracking/tracked_plant.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "signal/statistics.hpp"
@@ -23,14 +28,14 @@ namespace bodesmith::project {
 namespace {
 
 /// What ngspice may take, over all frequencies, and what a period of a clock takes it for each op-amp of the board.
-constexpr double kMostSeconds = 5.0, kSecondsAPeriod = 2e-3;
+constexpr double kMostSeconds = 8.0, kSecondsAPeriod = 4e-4;
 constexpr double kTimeConstants = 8.0;  ///< of the slowest pole before the window: 3e-4 of its start is left
 /// The clock and the reference meet nowhere: so many periods of the slowest clock are most of what they can do together.
 constexpr double kLeastClocks = 25.0;
 constexpr double kSamplesAClock = 8.0;
-/// SPICE's trtol. Whatever its steps inside an edge of a clock are, charge is kept: at 200, half the steps, drives are as near to those
-/// at 1 (3e-6 of the stroke) as at SPICE's own 7.
-constexpr double kTruncation = 200.0;
+/// Whatever the steps inside an edge of a clock are, charge is kept: by Euler's backward rule, and as long as the sources' corners let
+/// them be (trtol), drives are within 2e-6 of the stroke of those by a tenth of the steps and Gear's second order.
+constexpr const char* kSteps = ".options maxord=1 trtol=10000 bypass=1\n";
 constexpr double kOfLargestInput = 0.5;  ///< of the board: a drive may go beyond the stroke
 
 /// One frequency's window: whole repeats of the reference, `count` samples, after `skipped` ones.
@@ -118,9 +123,9 @@ ngspice::Transient BoardTracker::run_in_ngspice(const Window& window) const {
   const Disturbance::Branch branch = project_.target.branch;
   const bool up = branch == Disturbance::Branch::ascending;
   const std::string deck = fmt::format(
-      "board\n.options trtol={}\n{}{}Vg g 0 PWL({})\nBw w 0 V={:.15g}*{}\nXb w c board\nRc c 0 1e9\nBv v 0 V=V(r)-{}*V(c)/{:.15g}-{}*{}\n{}\n",
-      kTruncation, netlist_, controller::reference_sources(window.reference, window.operating, repeats),
-      rising, volts_, polynomial(branch), up ? "V(g)" : "(1-V(g))", volts_, up ? "(1-V(g))" : "V(g)",
+      "board\n{}{}{}Vg g 0 PWL({})\nBw w 0 V={:.15g}*{}\nXb w c board\nRc c 0 1e9\nBv v 0 V=V(r)-{}*V(c)/{:.15g}-{}*{}\n{}\n",
+      kSteps, netlist_, controller::reference_sources(window.reference, window.operating, repeats), rising,
+      volts_, polynomial(branch), up ? "V(g)" : "(1-V(g))", volts_, up ? "(1-V(g))" : "V(g)",
       polynomial(up ? Disturbance::Branch::descending : Disturbance::Branch::ascending),
       fpaa::board_deck_options());
   return ngspice::run_transient(deck, {"v", "w", "c"},
@@ -146,6 +151,22 @@ fpaa::BoardRun BoardTracker::made(const ngspice::Transient& run) const {
       cams, {{"w", {}, read}, {"nothing", {}, [](double, std::span<const double>) { return 0.0; }}}, board_};
 }
 
+/// By what the stage makes of ngspice's drive, sampled half a step after the repeat begins and every step from there on.
+BoardInTime judged(const Project& project, const tracking::Reference& reference, Hertz operating,
+                   const tracking::DriveWaveform& drive, const std::vector<double>& by_charges,
+                   std::size_t a_repeat) {
+  std::vector<double> wanted;
+  for (std::size_t n = 0; n < a_repeat; ++n)
+    wanted.push_back(reference.value((static_cast<double>(n) + 0.5) / static_cast<double>(a_repeat)));
+  const tracking::PolynomialStage stage = own_stage(project);
+  BoardInTime out;
+  out.rms_percent = tracking::tracking_error(stage.response(drive.v, drive.step_s, operating), wanted,
+                                             static_cast<double>(a_repeat) * drive.step_s)
+                        .rms_percent_without_lag;
+  out.difference_percent = 100.0 * error_figures(by_charges, drive.v).rms / reference.alpha();
+  return out;
+}
+
 BoardInTime BoardTracker::track(const Window& window) const {
   const ngspice::Transient run = run_in_ngspice(window);
   fpaa::BoardRun board = made(run);
@@ -164,18 +185,126 @@ BoardInTime BoardTracker::track(const Window& window) const {
     by_charges[place] = drive.v[place];
     if (branch_of(rises) == project_.target.branch) by_charges[place] += (run.at(2, t, i) - made) / volts_;
   }
-  const tracking::PolynomialStage stage = own_stage(project_);
-  std::vector<double> reference;
-  for (std::size_t n = 0; n < window.a_repeat; ++n)
-    reference.push_back(
-        window.reference.value((static_cast<double>(n) + 0.5) / static_cast<double>(window.a_repeat)));
-  BoardInTime out;
-  out.rms_percent = tracking::tracking_error(stage.response(drive.v, drive.step_s, window.operating),
-                                             reference, window.repeat_s)
-                        .rms_percent_without_lag;
-  out.difference_percent = 100.0 * error_figures(by_charges, drive.v).rms / window.reference.alpha();
-  return out;
+  return judged(project_, window.reference, window.operating, drive, by_charges, window.a_repeat);
 }
+
+/// Frequencies from the highest down as long as there is time, several at once.
+void follow(BoardsInTime& out, std::vector<Hertz> frequencies, const std::function<double(Hertz)>& cost_s,
+            const std::function<BoardInTime(Hertz)>& track) {
+  if (!ngspice::is_available()) {
+    out.missing = "ngspice is not installed";
+    return;
+  }
+  std::sort(frequencies.rbegin(), frequencies.rend());
+  double cost = 0.0;
+  const auto first_left = std::ranges::find_if(frequencies, [&](Hertz f) {
+    cost += cost_s(f);
+    return cost > kMostSeconds;
+  });
+  const auto count = static_cast<std::size_t>(first_left - frequencies.begin());
+  if (count == 0)
+    out.missing = fmt::format("ngspice would take some {} s at {} Hz", rounded_text(cost, 2),
+                              rounded_text(frequencies.front().value));
+  else if (count < frequencies.size())
+    out.missing = fmt::format("ngspice ran at {} Hz{}", rounded_text(frequencies[count - 1].value),
+                              count > 1 ? " and above" : "");
+  out.at.resize(count);
+  try {
+    // The last one, of the lowest frequency, takes longest.
+    parallel_for(count, thread_count(0), [&](std::size_t i) {
+      stop_if_interrupted();
+      out.at[count - 1 - i] = track(frequencies[count - 1 - i]);
+    });
+  } catch (const InputError& error) {  // "timestep too small"
+    out.at.clear();
+    out.missing = error.what();
+  }
+}
+
+/// A controller on the board over one repeat, in parts of it that begin so much earlier that the loop has settled.
+class BoardControllerTracker {
+ public:
+  BoardControllerTracker(const Project& project, const fpaa::ControllerVariant& variant)
+      : project_(project), controller_(variant, project.target.disturbance) {
+    for (const fpaa::ControllerCam& cam : variant.cams) clock_hz_ = std::max(clock_hz_, cam.clock_a.value);
+    opamps_ = variant.resources.opamps;
+  }
+  double cost_s(Hertz f) const {
+    return kSecondsAPeriod * opamps_ *
+           (clock_hz_ * static_cast<double>(reference_.periods()) / f.value + 2.0 * kLoopClocks);
+  }
+  BoardInTime track(Hertz f) const {
+    const double repeat_s = static_cast<double>(reference_.periods()) / f.value;
+    const fpaa::ControllerVariant built = controller_.serving(f);
+    const std::vector<double> by_charges = controller_.drive(reference_, f, 0.5).v;
+    const std::string netlist = fpaa::controller_netlist(built, {}, "board controller");
+    tracking::DriveWaveform drive{by_charges, repeat_s / static_cast<double>(by_charges.size())};
+    parallel_for(kParts, thread_count(0), [&](std::size_t part) {
+      const std::size_t from = part * drive.v.size() / kParts, to = (part + 1) * drive.v.size() / kParts;
+      // On an edge of the clock as it stands at the repeat's begin.
+      const double start_s =
+          (std::floor(static_cast<double>(from) * drive.step_s * clock_hz_) - kLoopClocks) / clock_hz_;
+      const double stop_s = static_cast<double>(to) * drive.step_s - start_s;
+      const ngspice::Transient run = ngspice::run_transient(
+          fmt::format("board controller\n{}{}{}Xc r rising v controller\nRv v 0 1e9\n{}\n", kSteps, netlist,
+                      sources(start_s / repeat_s, stop_s / repeat_s, repeat_s), fpaa::board_deck_options()),
+          {"v"}, 1.0 / clock_hz_, stop_s, "board_controller.sub");
+      std::size_t place = 1;
+      for (std::size_t k = from; k < to; ++k)
+        drive.v[k] = run.at(0, (static_cast<double>(k) + 0.5) * drive.step_s - start_s, place);
+    });
+    return judged(project_, reference_, f, drive, by_charges, drive.v.size());
+  }
+
+ private:
+  static constexpr double kLoopClocks = 80.0;  ///< a round takes two to four and leaves less than half
+  static constexpr std::size_t kParts = 2;
+  static constexpr int kPoints = 2048;  ///< of a reference that is curved
+
+  /// r and whether it rises, from a phase on; phases in repeats.
+  std::string sources(double start, double length, double repeat_s) const {
+    constexpr double kSwitched = 1e-6;
+    std::map<double, std::string> r, rising;
+    const auto add = [&](double phase, std::map<double, std::string>& to, double value) {
+      to[phase] = fmt::format(" {:.15g} {:.15g}", (phase - start) * repeat_s, value);
+    };
+    const auto in_repeat = [](double phase) { return phase - std::floor(phase); };
+    const auto rises = [&](double phase) {
+      return tracking::Reference::rises(reference_.piece(in_repeat(phase))) ? 1.0 : 0.0;
+    };
+    const double end = start + length;
+    add(start, r, reference_.value(in_repeat(start)));
+    add(start, rising, rises(start));
+    for (double repeat = std::floor(start); repeat <= end; repeat += 1.0) {
+      for (const double turn : reference_.turns()) {
+        const double phase = repeat + turn;
+        if (phase <= start) continue;
+        add(phase, r, reference_.value(turn));
+        add(phase - kSwitched, rising, rises(phase - kSwitched));
+        add(phase, rising, rises(phase + kSwitched));
+      }
+      const auto shape = reference_.shape();
+      const bool curved =
+          shape == tracking::Reference::Shape::sine || shape == tracking::Reference::Shape::two_tone;
+      for (int i = 0; curved && i < kPoints; ++i) {
+        const double phase = repeat + static_cast<double>(i) / kPoints;
+        if (phase > start) add(phase, r, reference_.value(in_repeat(phase)));
+      }
+    }
+    const auto source = [](const char* node, const std::map<double, std::string>& points) {
+      std::string out = fmt::format("V{0} {0} 0 PWL(", node);
+      for (const auto& [phase, point] : points) out += "\n+" + point;
+      return out + ")\n";
+    };
+    return source("r", r) + source("rising", rising);
+  }
+
+  const Project& project_;
+  tracking::Reference reference_ = tracking::Reference(project_.track.waveform(), project_.track.amplitude());
+  BoardController controller_;
+  double clock_hz_ = 0.0;
+  int opamps_ = 0;
+};
 
 }  // namespace
 
@@ -194,35 +323,34 @@ BoardsInTime track_board_in_time(const Project& project, const Design& design,
   }
   if (best == nullptr) return out;
   out.key = best->key;
-  if (!ngspice::is_available()) {
-    out.missing = "ngspice is not installed";
-    return out;
-  }
   const BoardTracker tracker(project, design, best->design.form);
-  std::vector<Hertz> frequencies = project.track.frequency;
-  std::sort(frequencies.rbegin(), frequencies.rend());
-  std::vector<Window> windows;
-  double cost = 0.0;
-  for (const Hertz f : frequencies) {
-    const Window window = tracker.window(f);
-    cost += tracker.cost_s(window);
-    if (cost > kMostSeconds) break;
-    windows.push_back(window);
+  follow(
+      out, project.track.frequency, [&](Hertz f) { return tracker.cost_s(tracker.window(f)); },
+      [&](Hertz f) { return tracker.track(tracker.window(f)); });
+  return out;
+}
+
+BoardsInTime track_board_controller_in_time(const Project& project,
+                                            const std::vector<TrackedDesign>& tracked) {
+  BoardsInTime out;
+  const TrackedDesign* best = nullptr;
+  std::optional<fpaa::ControllerVariant> variant;
+  for (fpaa::ControllerVariant& one : board_controllers(project)) {
+    const auto found = std::ranges::find(tracked, BoardController(one, project.target.disturbance).key(),
+                                         &TrackedDesign::key);
+    if (found == tracked.end()) continue;
+    if (best != nullptr && best->worst_without_lag_percent() <= found->worst_without_lag_percent()) continue;
+    best = &*found;
+    variant = std::move(one);
   }
-  if (windows.empty())
-    out.missing = fmt::format("ngspice would take some {} s at {} Hz", rounded_text(cost, 2),
-                              rounded_text(frequencies.front().value));
-  else if (windows.size() < frequencies.size())
-    out.missing = fmt::format("ngspice ran at {} Hz and above", rounded_text(windows.back().operating.value));
-  out.at.resize(windows.size());
+  if (best == nullptr) return out;
+  out.key = best->key;
+  const BoardControllerTracker tracker(project, *variant);
   try {
-    // The last one, of the lowest frequency, takes longest.
-    parallel_for(windows.size(), thread_count(0), [&](std::size_t i) {
-      stop_if_interrupted();
-      const std::size_t at = windows.size() - 1 - i;
-      out.at[at] = tracker.track(windows[at]);
-    });
-  } catch (const InputError& error) {  // "timestep too small"
+    follow(
+        out, project.track.frequency, [&](Hertz f) { return tracker.cost_s(f); },
+        [&](Hertz f) { return tracker.track(f); });
+  } catch (const DesignError& error) {  // a converter, a comparator
     out.at.clear();
     out.missing = error.what();
   }

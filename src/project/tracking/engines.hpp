@@ -16,9 +16,9 @@ CircuitTracked track_circuit(const Project& project, const Design& design,
                              const std::vector<TrackedCandidate>& candidates);
 
 /// Of a study that is complete but for them: the analog controller, the circuit and the board (the better of one pass and
-/// self-fed), the best controller on the board. `followed`: by CVODE, checked by harmonics.
+/// self-fed), the best controller on the board: `boards` are those two. `followed`: by CVODE, checked by harmonics.
 std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::Report& followed,
-                                   const CircuitTracked& circuit, const BoardsInTime& board);
+                                   const CircuitTracked& circuit, const std::vector<BoardsInTime>& boards);
 
 report::Table engine_table(const std::vector<EngineRow>& rows);
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/progress.hpp"
-#include "fpaa/controller/controller.hpp"
 #include "hysteresis/model_type.hpp"
 #include "numeric/parallel_for.hpp"
 #include "project/output/run_model.hpp"
@@ -126,20 +125,6 @@ struct RunningController {
   }
 };
 
-/// The controller on the board fed by its own drive, in every way to make the polynomials that fits.
-void add_board_controllers(const Project& project, std::vector<RunningController>& out) {
-  fpaa::ControllerOptions options;
-  options.board = project.fpaa->board;
-  const Disturbance& disturbance = project.target.disturbance;
-  const auto made = fpaa::make_controller(disturbance, nullptr, nullptr, options);
-  const auto* board = std::get_if<fpaa::Controller>(&made);
-  if (board == nullptr) return;
-  for (const fpaa::ControllerVariant& variant : board->variants) {
-    if (!variant.fits() || variant.structure != fpaa::ControllerStructure::loop) continue;
-    out.push_back({std::make_unique<BoardController>(variant, disturbance)});
-  }
-}
-
 /// The analog controller first, in ngspice, which stands for what is built where it is installed; last by CVODE and at rest.
 std::vector<RunningController> running_controllers(
     const Project& project, const std::shared_ptr<const generator::DisturbanceCircuit>& analog) {
@@ -148,7 +133,8 @@ std::vector<RunningController> running_controllers(
   if (circuit && ngspice)
     out.push_back(
         {std::make_unique<controller::CircuitController>(analog, controller::NgspiceRun::of_many())});
-  if (project.fpaa && project.choice == Project::Choice::tracking) add_board_controllers(project, out);
+  for (fpaa::ControllerVariant& variant : board_controllers(project))
+    out.push_back({std::make_unique<BoardController>(std::move(variant), project.target.disturbance)});
   if (circuit) {
     out.push_back({std::make_unique<controller::CircuitController>(analog, std::nullopt), !ngspice, false});
     out.push_back({controller_at_rest(project, analog), false, false});

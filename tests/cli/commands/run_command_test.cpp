@@ -306,6 +306,16 @@ TEST(MainExample, TracksBestAndSaysSoFirst) {
     EXPECT_NEAR(board.at("ngspice_percent").number(), board.at("closed_form_percent").number(), 0.01);
     EXPECT_LT(board.at("agreement_percent").number(), 0.01);
   }
+  // The whole controller on the board: at the highest frequency ngspice has every switch of its loop, too.
+  const Node on_board = run.at("tracking").at("engines")[3];
+  EXPECT_THAT(on_board.at("what").string(), HasSubstr("FPAA controller (outside, loop)"));
+  if (ngspice) {
+    EXPECT_NEAR(on_board.at("ngspice_percent").number(), on_board.at("closed_form_percent").number(), 0.003);
+    EXPECT_LT(on_board.at("agreement_percent").number(), 0.01);
+    EXPECT_THAT(on_board.at("missing").string(), HasSubstr("ngspice ran at 100 Hz"));
+  } else {
+    EXPECT_THAT(on_board.at("missing").string(), HasSubstr("ngspice is not installed"));
+  }
 }
 
 TEST(Run, BadProjectsAreOneLineAndLeaveNothing) {

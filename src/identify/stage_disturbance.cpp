@@ -134,6 +134,7 @@ LoopAtFrequency scaled_loop(const OwnLoop& own, const std::array<Cubic, 2>& base
   out.frequency = record.frequency;
   out.offset = solved.c(0);
   out.stroke = solved.c(1);
+  out.stroke_deviation = solved.deviation(1);
   out.polynomial = own.polynomial;
   out.training_turns = record.training.size();
   out.held_out_turns = record.held_out.size();
@@ -237,9 +238,15 @@ LoopAtStroke short_loop(const TurnedRecord& record, const Turn& turn, const Stag
   const Disturbance& d = study.disturbance;
   shapes.ascending = along(times_gain(d.ascending, d.rate_gain(Branch::ascending, record.frequency)));
   shapes.descending = along(times_gain(d.descending, d.rate_gain(Branch::descending, record.frequency)));
-  const StageSolution solved =
-      solve_stage(shapes.of(record, study.input, study.lag), *record.record, {&turn, 1});
-  LoopAtStroke out{.alpha = shapes.stroke, .turns = 1};
+  const Eigen::MatrixXd columns = shapes.of(record, study.input, study.lag);
+  const StageSolution solved = solve_stage(columns, *record.record, {&turn, 1});
+  LoopAtStroke out{
+      .alpha = shapes.stroke, .slope = solved.c(1) / (shapes.stroke * nearest->stroke), .turns = 1};
+  Eigen::VectorXd line = solved.c;
+  line(0) = nearest->offset + shapes.origin * nearest->stroke;
+  line(1) = shapes.stroke * nearest->stroke;
+  out.line_percent =
+      100.0 / std::abs(nearest->stroke) * StageSolution::rms(columns, line, *record.record, {&turn, 1});
   for (std::size_t b = 0; b < 2; ++b) {
     const Eigen::Index at = 2 + 2 * static_cast<Eigen::Index>(b);
     out.gain[b] = solved.c(at) / nearest->stroke;
@@ -271,6 +278,8 @@ void make_amplitude_table(const TurnedRecords& records, StageDisturbance& study)
       into.gain[b] = (n * into.gain[b] + one.gain[b]) / (n + 1.0);
       into.deviation[b] = std::hypot(n * into.deviation[b], one.deviation[b]) / (n + 1.0);
     }
+    into.slope = (n * into.slope + one.slope) / (n + 1.0);
+    into.line_percent = std::hypot(std::sqrt(n) * into.line_percent, one.line_percent) / std::sqrt(n + 1.0);
     ++into.turns;
   }
   if (study.strokes.empty()) return;
@@ -296,6 +305,30 @@ void say_signs(const std::vector<OwnLoop>& loops, StageDisturbance& study) {
     study.notes.push_back(
         "the loop runs clockwise, its ascending branch above the descending one: no stage that "
         "dissipates does that; input and output may be exchanged, or the record be a compensator's");
+}
+
+/// One stroke for all frequencies, and ends on one line for all strokes, are what controllers take a stage for.
+void say_what_one_line_leaves(StageDisturbance& study) {
+  constexpr double kToldPercent = 0.5;
+  const LoopAtFrequency& base = study.loops.front();
+  const auto off = [&](const LoopAtFrequency& one) { return std::abs(one.stroke / base.stroke - 1.0); };
+  const LoopAtFrequency& other = *std::ranges::max_element(study.loops, {}, off);
+  if (off(other) >
+      std::max(0.01 * kToldPercent, kToldFromOne * std::hypot(other.stroke_deviation, base.stroke_deviation) /
+                                        std::abs(base.stroke)))
+    study.notes.push_back(fmt::format(
+        "the stroke at {} Hz is {} times that at {} Hz (creep, or a gain that falls): a disturbance has one stroke for all "
+        "frequencies, and references are missed by what is between them",
+        rounded_text(other.frequency.value), rounded_text(other.stroke / base.stroke, 4),
+        rounded_text(base.frequency.value)));
+  if (study.strokes.empty()) return;
+  const LoopAtStroke& worst = *std::ranges::max_element(study.strokes, {}, &LoopAtStroke::line_percent);
+  if (worst.line_percent > std::max(kToldPercent, 3.0 * base.own_percent))
+    study.notes.push_back(fmt::format(
+        "a stroke of {} goes {} times as far as its share of the full one: a disturbance has the ends of all strokes on one "
+        "line, which leaves {} % of the full stroke rms there, in every controller of it; a model with memory (`identify "
+        "--model all`, `compensate`) follows such ends",
+        rounded_text(worst.alpha), rounded_text(worst.slope, 3), rounded_text(worst.line_percent, 3)));
 }
 
 }  // namespace
@@ -327,6 +360,7 @@ StageDisturbance identify_disturbance(std::span<const TimeRecord> records,
   out.reading = reading.value_or(better_reading(out.loops));
   make_rate_table(out);
   make_amplitude_table(turned, out);
+  say_what_one_line_leaves(out);
   if (std::any_of(out.loops.begin(), out.loops.end(),
                   [](const auto& one) { return one.held_out_turns == 0; }))
     out.notes.push_back(

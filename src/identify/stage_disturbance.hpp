@@ -24,6 +24,7 @@ struct LoopAtFrequency {
   Hertz frequency;
   double offset = 0.0;                                ///< y under x = 0
   double stroke = 0.0;                                ///< y's change over the full stroke, with its sign
+  double stroke_deviation = 0.0;                      ///< its standard deviation
   std::array<std::array<double, 3>, 2> polynomial{};  ///< of its own
   BranchPair gain{1.0, 1.0};                          ///< K, p_i ≈ K p_1
   BranchPair deviation{};                             ///< standard deviation of K, that of p_1's size with it
@@ -41,6 +42,9 @@ struct LoopAtStroke {
   double alpha = 0.0;  ///< of the full stroke
   BranchPair gain{};   ///< α_1, α_2
   BranchPair deviation{};
+  double slope = 1.0;  ///< of y over x from end to end, of that of the full stroke
+  double line_percent =
+      0.0;  ///< rms of y against the equation below with the full stroke's offset and stroke, in percent of that
   std::size_t turns = 0;
 };
 

@@ -28,6 +28,7 @@ Json StageDisturbance::to_json() const {
                               {"frequency_hz", one.frequency.value},
                               {"offset", one.offset},
                               {"stroke", one.stroke},
+                              {"stroke_standard_deviation", one.stroke_deviation},
                               {"ascending", one.polynomial[0]},
                               {"descending", one.polynomial[1]},
                               {"gain", one.gain},
@@ -44,6 +45,8 @@ Json StageDisturbance::to_json() const {
     found["strokes"].push_back({{"alpha", one.alpha},
                                 {"gain", one.gain},
                                 {"standard_deviation", one.deviation},
+                                {"slope", one.slope},
+                                {"line_percent", one.line_percent},
                                 {"turns", one.turns}});
   found["notes"] = notes;
   out["identified"] = std::move(found);

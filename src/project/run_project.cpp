@@ -144,6 +144,8 @@ Run run_project(const ProjectSource& source, const fs::path& folder) {
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,
                                   std::move(elsewhere));
     run.tracking.engines = engine_rows(run.tracking, followed, circuit, boards);
+    for (std::string& warning : engine_warnings(run.tracking.engines))
+      run.tracking.findings.push_back(std::move(warning));
     run.tracking.compute_s = tracking_watch.seconds();
   });
   stages.add({files, ngspice, studies, study}, [&] {

@@ -157,6 +157,33 @@ TEST(StageDisturbance, DeviationsOfTheGainsAreWhatDrawnRecordsShow) {
   EXPECT_LT(said / scatter, 2.0);
 }
 
+// Ends of short strokes beside the full one's line, and a stroke that falls with the frequency, are in no polynomial: said.
+TEST(StageDisturbance, SaysWhatOneLineForAllStrokesLeaves) {
+  DrawnStage stage, weaker, shorter;
+  stage.noise = weaker.noise = shorter.noise = 5e-4;
+  weaker.stroke *= 0.7;
+  shorter.stroke *= 0.98;
+  const auto said = [](const StageDisturbance& study, const char* what) {
+    return std::any_of(study.notes.begin(), study.notes.end(),
+                       [&](const std::string& note) { return note.find(what) != std::string::npos; });
+  };
+  std::vector<TimeRecord> records = records_of(stage, 5);
+  records.push_back(stage.record(1.0, 1.0, 1.0, 2, 0.5, 0.4));
+  const StageDisturbance plain = identify_disturbance(records);
+  EXPECT_LT(plain.strokes[0].line_percent, 0.1);
+  EXPECT_NEAR(plain.strokes[0].slope, 1.0, 2e-3);
+  EXPECT_FALSE(said(plain, "one line") || said(plain, "the stroke at"));
+  records.back() = weaker.record(1.0, 1.0, 1.0, 2, 0.5, 0.4);
+  records[4] = shorter.record(100.0, 1.0, 1.17, 5);
+  const StageDisturbance other = identify_disturbance(records);
+  EXPECT_NEAR(other.strokes[0].slope, 0.7, 5e-3);
+  // .3 of half a stroke at its end, a triangle: over the square root of three.
+  EXPECT_NEAR(other.strokes[0].line_percent, 100.0 * 0.3 * 0.5 / std::sqrt(3.0), 1.0);
+  EXPECT_TRUE(said(other, "a stroke of 0.5 goes 0.7 times as far"));
+  EXPECT_NEAR(other.loops[4].stroke / other.loops[0].stroke, 0.98, 1e-3);
+  EXPECT_TRUE(said(other, "the stroke at 100 Hz is 0."));
+}
+
 TEST(StageDisturbance, FindsAmplitudeGainsOfShortStrokes) {
   const DrawnStage stage;
   std::vector<TimeRecord> records = records_of(stage, 3);

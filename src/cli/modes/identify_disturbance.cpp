@@ -49,9 +49,10 @@ std::string disturbance_summary(const StageDisturbance& study) {
                     rounded_text(one.as_printed_percent, 3), one.training_turns, one.held_out_turns);
   }
   for (const identify::LoopAtStroke& one : study.strokes)
-    text +=
-        fmt::format("  stroke {}: alpha_1 {:.4f} +- {:.2g}, alpha_2 {:.4f} +- {:.2g}\n",
-                    rounded_text(one.alpha), one.gain[0], one.deviation[0], one.gain[1], one.deviation[1]);
+    text += fmt::format(
+        "  stroke {}: alpha_1 {:.4f} +- {:.2g}, alpha_2 {:.4f} +- {:.2g}; on one line with the full one: {} %\n",
+        rounded_text(one.alpha), one.gain[0], one.deviation[0], one.gain[1], one.deviation[1],
+        rounded_text(one.line_percent, 3));
   return text;
 }
 

@@ -118,6 +118,8 @@ std::string Run::summary(const std::filesystem::path& folder) const {
   std::string out = project.name + "\n";
   if (project.plant) {
     out += "built      " + design.built().name + "\n" + headline_text(*this);
+    for (const std::string& warning : engine_warnings(tracking.engines))
+      out += "warning    " + warning + "\n";
   } else {
     out += target_text(*this) + sections_text(*this);
   }

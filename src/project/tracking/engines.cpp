@@ -141,6 +141,18 @@ std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::R
   return out;
 }
 
+std::vector<std::string> engine_warnings(const std::vector<EngineRow>& rows) {
+  constexpr double kAgreePercent = 0.02;
+  std::vector<std::string> out;
+  for (const EngineRow& one : rows) {
+    if (!(one.agreement_percent.value_or(0.0) > kAgreePercent)) continue;
+    out.push_back(fmt::format(
+        "{}: its engines are {} % of range apart in time, more than {}; most of that is when a drive jumps at a turn of the reference",
+        one.what, rounded_text(*one.agreement_percent, 2), kAgreePercent));
+  }
+  return out;
+}
+
 report::Table engine_table(const std::vector<EngineRow>& rows) {
   report::Table out{{"", "closed form", "CVODE", "ngspice", "within"}, {}, {}};
   for (const EngineRow& one : rows)

@@ -12,8 +12,8 @@
 #include "project/tracking/board_controller.hpp"
 #include "project/tracking/tracked_plant.hpp"
 #include "schematic/ngspice/ngspice.hpp"
-#include "signal/statistics.hpp"
 #include "synthesis/controller/as_built.hpp"
+#include "synthesis/controller/study.hpp"
 #include "tracking/track.hpp"
 
 namespace bodesmith::project {
@@ -142,23 +142,43 @@ std::vector<RunningController> running_controllers(
   return out;
 }
 
-void make_drives(const Project& project, std::vector<RunningController>& controllers) {
+/// How far ngspice and CVODE are apart along the main reference (ControllersTracked::agreement_percent), where both run.
+std::optional<double> make_drives(const Project& project, const controller::AnalogController* analog,
+                                  std::vector<RunningController>& controllers) {
   const std::vector<Hertz>& frequencies = project.track.frequency;
+  const Reference main = main_reference(project);
   std::vector<std::function<void()>> all;
+  RunningController *by_ngspice = nullptr, *by_cvode = nullptr;
   for (RunningController& one : controllers) {
-    for (const Reference& reference :
-         one.everywhere ? references(project) : std::vector{main_reference(project)}) {
+    if (one.controller->key() == "controller_circuit") by_ngspice = &one;
+    if (one.controller->key() == "controller_cvode") by_cvode = &one;
+  }
+  const bool both = by_ngspice != nullptr && by_cvode != nullptr;
+  std::vector<double> apart(both ? frequencies.size() : 0);
+  for (RunningController& one : controllers) {
+    for (const Reference& reference : one.everywhere ? references(project) : std::vector{main}) {
       auto& drives = one.drives[key_of(reference)];
       drives.resize(frequencies.size());
+      if (both && (&one == by_ngspice || &one == by_cvode) && key_of(reference) == key_of(main)) continue;
       for (std::size_t i = 0; i < frequencies.size(); ++i)
         all.emplace_back([&, reference, i] { drives[i] = one.controller->drive(reference, frequencies[i]); });
     }
+  }
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    all.emplace_back([&, i] {
+      auto [ngspice, cvode, percent] =
+          controller::run_in_both(*analog, main, frequencies[i], controller::NgspiceRun::of_one(main));
+      by_ngspice->drives[key_of(main)][i] = {std::move(ngspice.v), ngspice.step_s};
+      by_cvode->drives[key_of(main)][i] = {std::move(cvode.v), cvode.step_s};
+      apart[i] = percent;
+    });
   }
   parallel_for(all.size(), thread_count(0), [&](std::size_t i) {
     stop_if_interrupted();
     all[i]();
   });
   stop_if_interrupted();
+  return apart.empty() ? std::nullopt : std::optional(std::ranges::max(apart));
 }
 
 }  // namespace
@@ -166,11 +186,11 @@ void make_drives(const Project& project, std::vector<RunningController>& control
 ControllersTracked track_built_controllers(
     const Project& project, const std::shared_ptr<const generator::DisturbanceCircuit>& analog) {
   std::vector<RunningController> controllers = running_controllers(project, analog);
-  make_drives(project, controllers);
+  ControllersTracked out;
+  out.agreement_percent = make_drives(project, analog.get(), controllers);
   const std::vector<Hertz>& frequencies = project.track.frequency;
   const Reference main = main_reference(project);
   const tracking::PolynomialStage own = own_stage(project);
-  ControllersTracked out;
   out.here.resize(controllers.size());
   if (!project.deadline.passed()) out.tasks = all_tasks(project);
   const std::size_t count = out.tasks.size();
@@ -188,15 +208,6 @@ ControllersTracked track_built_controllers(
       out.elsewhere[t][c] = controllers[c].on(*out.tasks[t].stage, out.tasks[t].reference, frequencies);
     }
   });
-  if (project.circuit && analog && ngspice::is_available()) {
-    const auto drives = [&](const RunningController& one) { return one.drives.at(key_of(main)); };
-    const auto by_ngspice = drives(controllers.front()),
-               by_cvode = drives(controllers[controllers.size() - 2]);
-    out.agreement_percent = 0.0;
-    for (std::size_t i = 0; i < frequencies.size(); ++i)
-      out.agreement_percent = std::max(
-          *out.agreement_percent, 100.0 * error_figures(by_cvode[i].v, by_ngspice[i].v).rms / main.alpha());
-  }
   return out;
 }
 

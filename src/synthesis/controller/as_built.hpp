@@ -40,6 +40,9 @@ struct NgspiceRun {
   /// four times finer step the drive differs by less than .001 % of range. What SPICE's own tolerance does at a turn takes a
   /// share of the period that grows with the frequency: .001 % at 400 Hz, .02 at 4 kHz.
   static NgspiceRun of_many() { return {.settle_repeats = 0.5, .steps = 500, .tight_from = Hertz{500.0}}; }
+  /// For the one reference that stands for a run: but for full triangles as tight and fine as smooth slopes need, with as many samples
+  /// as show for how long the drive is late where it jumps, at turns that are no full stroke's ends.
+  static NgspiceRun of_one(const tracking::Reference& reference);
 };
 
 /// Whole repeats until what is slow, the smoothing behind the slope meter, has settled.
@@ -59,9 +62,9 @@ tracking::TrackingError stage_error(const DisturbanceCircuit& controller, const 
 
 /// The whole netlist in time by CVODE (schematic/analysis/in_time.hpp), beside what ngspice makes of it: from rest, as many
 /// repeats of the reference as the smoothing behind the slope meter needs; the last one is kept. `at_s`: instants of it, from
-/// its begin, at which v is told too (SteadyState::own_v).
+/// its begin, at which v is told too (SteadyState::own_v). `samples`: of the repeat.
 SteadyState run_in_cvode(const DisturbanceCircuit& controller, const tracking::Reference& reference,
-                         Hertz operating, std::size_t samples = 2048, const std::vector<double>& at_s = {});
+                         Hertz operating, std::size_t samples, const std::vector<double>& at_s = {});
 
 /// From the turn at the end of a repeat to the new contact: slope detector (integrated from its circuit) and
 /// switch. InputError when the slope never reaches the detector's threshold.

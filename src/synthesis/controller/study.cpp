@@ -25,21 +25,28 @@ double rms_in_time_percent(const std::vector<double>& t, const std::vector<doubl
 
 }  // namespace
 
+BothEngines run_in_both(const DisturbanceCircuit& controller, const tracking::Reference& reference,
+                        Hertz operating, const NgspiceRun& options) {
+  SteadyState ngspice = run_in_ngspice(controller, reference, operating, options);
+  SteadyState cvode = run_in_cvode(controller, reference, operating, ngspice.v.size(), ngspice.own_s);
+  const double difference = rms_in_time_percent(ngspice.own_s, ngspice.own_v, cvode.own_v, reference.alpha());
+  return {std::move(ngspice), std::move(cvode), difference};
+}
+
 std::vector<AsBuilt> measure_as_built(const DisturbanceCircuit& controller,
                                       const std::vector<Hertz>& frequencies,
                                       const tracking::Reference& reference, const NgspiceRun& options) {
   std::vector<AsBuilt> out;
   for (const Hertz f : frequencies) {
-    const SteadyState run = run_in_ngspice(controller, reference, f, options);
+    const BothEngines both = run_in_both(controller, reference, f, options);
+    const SteadyState& run = both.ngspice;
     AsBuilt one;
     one.frequency = f;
     one.error = stage_error(controller, run);
     SteadyState plain = run;
     plain.v = run.r;
     one.without = stage_error(controller, plain);
-    one.cvode_difference_percent = rms_in_time_percent(
-        run.own_s, run.own_v, run_in_cvode(controller, reference, f, run.v.size(), run.own_s).own_v,
-        reference.alpha());
+    one.cvode_difference_percent = both.difference_percent;
     one.start_up_percent = 100.0 * error_figures(run.first_v, run.v).rms / reference.alpha();
     one.wall_s = run.wall_s;
     out.push_back(one);
@@ -51,7 +58,8 @@ std::vector<AsBuilt> predict_as_built(const DisturbanceCircuit& controller,
                                       const tracking::Reference& reference) {
   std::vector<AsBuilt> out(controller.tracked.size());
   parallel_for(out.size(), thread_count(0), [&](std::size_t i) {
-    SteadyState run = run_in_cvode(controller, reference, controller.tracked[i]);
+    SteadyState run = run_in_cvode(controller, reference, controller.tracked[i],
+                                   NgspiceRun().samples * reference.periods());
     out[i].frequency = controller.tracked[i];
     out[i].error = stage_error(controller, run);
     run.v = run.r;

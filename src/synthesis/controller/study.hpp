@@ -9,6 +9,16 @@
 
 namespace bodesmith::controller {
 
+/// The netlist along one reference by both engines.
+struct BothEngines {
+  SteadyState ngspice, cvode;
+  /// rms of v between them over the time, percent of the reference's range: at ngspice's own instants, which lie close where v jumps
+  /// (between even samples a jump counts for a whole one or not at all).
+  double difference_percent = 0.0;
+};
+BothEngines run_in_both(const AnalogController& controller, const tracking::Reference& reference,
+                        Hertz operating, const NgspiceRun& options);
+
 /// One tracked frequency as built: ngspice on the emitted netlist, the stage on the drive it found.
 struct AsBuilt {
   Hertz frequency;

@@ -326,8 +326,8 @@ void say_what_one_line_leaves(StageDisturbance& study) {
   if (worst.line_percent > std::max(kToldPercent, 3.0 * base.own_percent))
     study.notes.push_back(fmt::format(
         "a stroke of {} goes {} times as far as its share of the full one: a disturbance has the ends of all strokes on one "
-        "line, which leaves {} % of the full stroke rms there, in every controller of it; a model with memory (`identify "
-        "--model all`, `compensate`) follows such ends",
+        "line, which leaves {} % of the full stroke rms there, in every controller of it; a model with memory "
+        "(another type of identify, compensate) follows such ends",
         rounded_text(worst.alpha), rounded_text(worst.slope, 3), rounded_text(worst.line_percent, 3)));
 }
 

@@ -16,7 +16,7 @@ struct BothEngines {
   /// (between even samples a jump counts for a whole one or not at all).
   double difference_percent = 0.0;
 };
-BothEngines run_in_both(const AnalogController& controller, const tracking::Reference& reference,
+BothEngines run_in_both(const DisturbanceCircuit& controller, const tracking::Reference& reference,
                         Hertz operating, const NgspiceRun& options);
 
 /// One tracked frequency as built: ngspice on the emitted netlist, the stage on the drive it found.

@@ -101,7 +101,7 @@ TEST(Controller, CvodeAndNgspiceSwitchTogetherOnSmoothPartialStrokes) {
   for (const auto& [shape, stroke, f] :
        {std::tuple{Shape::two_tone, 0.5, 50.0}, {Shape::sine, 0.25, 100.0}}) {
     const tracking::Reference reference(shape, stroke);
-    Options options;
+    Options options(Form::self_fed);
     options.least_swing = reference.least_swing();
     const AsBuilt one = measure_as_built(make_controller(constant, options), {Hertz{f}}, reference).front();
     EXPECT_LT(one.cvode_difference_percent, 0.02) << to_string(shape) << ", " << f << " Hz";

@@ -22,9 +22,35 @@ std::vector<TimeRecord> all_advanced(std::span<const TimeRecord> records, double
   return out;
 }
 
+bool output_falls(std::span<const TimeRecord> records, double skip_s) {
+  const double middle = hysteresis::swept_range(records, skip_s).middle(),
+               output_middle = hysteresis::output_range(records, skip_s).middle();
+  double sum = 0.0;
+  for (const TimeRecord& record : records)
+    for (std::size_t i = hysteresis::first_counted(record, skip_s); i < record.size(); ++i)
+      sum += (record.u[i] - middle) * (record.y[i] - output_middle);
+  return sum < 0.0;
+}
+
+/// Of an output that falls as the input rises the model of -y too, turned round behind it: weights that are none below 0 make no other.
 Identified identify_model(const hysteresis::ModelType* model, std::span<const TimeRecord> records,
                           const IdentifyOptions& options) {
-  return model == nullptr ? identify_linear(records, options) : model->identify(records, options);
+  if (model == nullptr) return identify_linear(records, options);
+  Identified out = model->identify(records, options);
+  if (!output_falls(records, options.skip_s)) return out;
+  std::vector<TimeRecord> turned(records.begin(), records.end());
+  for (TimeRecord& record : turned)
+    for (double& y : record.y) y = -y;
+  Identified other = model->identify(turned, options);
+  other.output = {-other.output.gain, -other.output.offset};
+  for (auto& one : other.uncertainty)
+    if (one.name == "offset") one.value = -one.value;
+  other.notes.emplace_back(
+      "the output falls as the input rises: the model is that of -y, turned round behind it");
+  const auto rms = [&](const Identified& found) {
+    return error_figures(StageModel(found, 0.0), records, options.skip_s).rms;
+  };
+  return rms(other) < rms(out) ? other : out;
 }
 
 }  // namespace

@@ -74,6 +74,29 @@ std::vector<double> output(const Chain& chain, const TimeRecord& record) {
   return simulate::simulate(chain, record, options).y;
 }
 
+/// Of a record that another prediction would fit in another unit, far better than the nearest one does as it stands.
+void require_its_unit(const std::vector<Prediction>& all, const Prediction& nearest,
+                      const TimeRecord& record) {
+  constexpr double kNoFault = 5.0, kBetter = 0.2;
+  for (const Prediction& one : all) {
+    double product = 0.0, square = 0.0;
+    for (std::size_t i = 0; i < one.y.size(); ++i) {
+      product += one.y[i] * record.y[i];
+      square += one.y[i] * one.y[i];
+    }
+    const double times = square > 0.0 ? product / square : 1.0;
+    if (std::abs(times) < kNoFault && std::abs(times) > 1.0 / kNoFault) continue;
+    std::vector<double> scaled = one.y;
+    for (double& y : scaled) y *= times;
+    if (error_figures(scaled, record.y).rms_percent > kBetter * nearest.gap.rms_percent) continue;
+    throw InputError(
+        record.file, 0,
+        fmt::format(
+            "its y is {} times what {} would give: expected metres of a stage, full strokes of a controller",
+            rounded_text(times, 3), one.of));
+  }
+}
+
 /// Controller and stage, the controller alone, the stage alone: whichever predicts the record best.
 Prediction nearest_prediction(const fs::path& folder, const TimeRecord& record, const Period& period,
                               Provenance& from) {
@@ -95,9 +118,11 @@ Prediction nearest_prediction(const fs::path& folder, const TimeRecord& record, 
     one.y = output(one.chain, record);
     one.gap = error_figures(one.y, record.y);
   }
-  return *std::min_element(all.begin(), all.end(), [](const Prediction& a, const Prediction& b) {
-    return a.gap.rms_percent < b.gap.rms_percent;
-  });
+  const Prediction& out = *std::min_element(
+      all.begin(), all.end(),
+      [](const Prediction& a, const Prediction& b) { return a.gap.rms_percent < b.gap.rms_percent; });
+  require_its_unit(all, out, record);
+  return out;
 }
 
 /// rms, 0 where the record does not say.

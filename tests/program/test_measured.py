@@ -162,7 +162,12 @@ def test_bad_input_is_one_line_and_nothing_is_written(built, tmp_path):
     other = tmp_path / "other.toml"
     other.write_text(PROJECT.read_text().replace("../", str(ROOT / "examples") + "/").replace("[1, 100]", "[1, 50]"))
     (tmp_path / "bode.csv").write_text("frequency_hz,magnitude_db\n1,0\n2,0\n3,0\n")
-    for arguments in ((PROJECT, "--measured", tmp_path / "bad.csv"), (PROJECT, "--measured", tmp_path / "none.csv"), (other, "--measured", tmp_path / "bode.csv")):
-        done = run("run", *arguments, "-o", built)
+    bench("controller", built, "-o", tmp_path / "record.csv")
+    rows = list(csv.reader((tmp_path / "record.csv").open()))
+    microns = [rows[0], *((t, u, repr(1e6 * float(y))) for t, u, y in rows[1:])]
+    (tmp_path / "microns.csv").write_text("\n".join(",".join(row) for row in microns) + "\n")
+    files = [(PROJECT, tmp_path / name) for name in ("bad.csv", "none.csv", "microns.csv")] + [(other, tmp_path / "bode.csv")]
+    for project, file in files:
+        done = run("run", project, "--measured", file, "-o", built)
         assert done.status == 2 and len(done.err.splitlines()) == 1, done.err
     assert sorted(built.rglob("*")) == before

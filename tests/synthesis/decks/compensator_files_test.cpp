@@ -47,6 +47,24 @@ TEST(ReferenceNetlists, PartsAreWhatTheProgramChoosesToday) {
   }
 }
 
+TEST(CompensatorLibrary, CallsEachStageBetweenItsNodes) {
+  const Circuit circuit = realise(seed_sections()).circuit;
+  const schematic::SpiceLibrary library = compensator_library(circuit, "title");
+  ASSERT_EQ(library.subcircuits.size(), circuit.stages.size() + 1);
+  const auto& calls = library.subcircuits.back().netlist.instances;
+  ASSERT_EQ(calls.size(), circuit.stages.size());
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    const std::string number = std::to_string(i + 1);
+    EXPECT_EQ(calls[i].name, number);
+    EXPECT_EQ(calls[i].of, "compensator_stage" + number);
+    EXPECT_EQ(library.subcircuits[i].name, calls[i].of);
+    EXPECT_EQ(calls[i].nodes, (std::vector{circuit.stages[i].in, circuit.stages[i].out}));
+    EXPECT_EQ(library.subcircuits[i].netlist.parts.size(), circuit.stages[i].part_count);
+    for (const Part& part : library.subcircuits[i].netlist.parts)
+      EXPECT_TRUE(part.name.ends_with("_" + number));
+  }
+}
+
 TEST(ReferenceNetlists, CompensatorMeetsTheSectionsInNgspice) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   Provenance from;

@@ -129,6 +129,32 @@ TEST(Compensation, EveryBlocksOwnInverseIsOne) {
   EXPECT_FALSE(make_block("comparator").inverse({0.0, 1.0, {0.0, 1.0}}).has_value());
 }
 
+/// Behind the chain's delay and, from zero, behind seven of its slowest time constants: half the record at most.
+TEST(SteadyState, BeginsWhereTheStartIsForgotten) {
+  Chain chain;
+  chain.blocks = {make_block("lowpass").set("corner_hz", 8.0), make_block("delay").set("delay_s", 0.0523),
+                  make_block("lowpass").set("corner_hz", 20.0)};
+  TimeRecord reference = smooth_reference();  // steps of 5 ms
+  Options options;
+  options.start = simulate::Start::equilibrium;
+  EXPECT_EQ(steady_state_of(chain, reference, options, std::nullopt).first, 11u);
+  options.start = simulate::Start::zero;
+  const double wait_s =
+      0.0523 + 7.0 * (chain.blocks[0].slowest_time_constant_s() + chain.blocks[2].slowest_time_constant_s());
+  EXPECT_EQ(steady_state_of(chain, reference, options, std::nullopt).first,
+            static_cast<std::size_t>(std::ceil(wait_s / 0.005)));
+  EXPECT_EQ(steady_state_of(chain, reference, options, 0.1).first, 20u);
+  EXPECT_EQ(steady_state_of(chain, reference, options, 0.1001).first, 21u);
+  EXPECT_THROW(steady_state_of(chain, reference, options, reference.duration_s()), InputError);
+  reference.u.resize(60);
+  EXPECT_EQ(steady_state_of(chain, reference, options, std::nullopt).first, 30u);
+  // Of what repeats the last period.
+  for (std::size_t i = 0; i < 60; ++i) reference.u[i] = std::sin(kTau * static_cast<double>(i) / 20.0);
+  for (std::size_t i = 20; i < 60; ++i) reference.u[i] = reference.u[i - 20];
+  EXPECT_EQ(steady_state_of(chain, reference, options, std::nullopt).first, 40u);
+  EXPECT_EQ(steady_state_of(Chain{}, smooth_reference(), options, std::nullopt).first, 1u);
+}
+
 TEST(Compensation, LooksAheadByTheDelayOrLagsByIt) {
   Chain chain;
   chain.blocks = {make_block("gain").set("gain", 2.0).set("offset", 1.0),

@@ -245,6 +245,18 @@ TEST(ForeignRecords, UnevenStepsOfSimulatorsBecomeEvenAndTheDepartureIsSaid) {
   }
 }
 
+// A nanosecond beside a second: no more than a thousand samples a point.
+TEST(ForeignRecords, WildStepsOfSimulatorsStayOfASize) {
+  const TemporaryFolder folder;
+  write_file(folder / "wild.txt",
+             "time\tV(in)\tV(out)\n0\t0\t0\n1e-9\t1\t0\n2e-9\t0\t1\n1e-3\t1\t1\n1\t0\t0\n");
+  Provenance from;
+  const TimeRecord record = TimeRecord::read_csv(folder / "wild.txt", from);
+  EXPECT_GT(record.size(), 1000u);
+  EXPECT_LE(record.size(), 2u * 1024u * 5u);
+  EXPECT_NEAR(record.duration_s(), 1.0, 1e-3);
+}
+
 TEST(ForeignRecords, AnotherColumnOrNodeIsChosenByName) {
   Provenance from;
   const TimeRecord swapped = TimeRecord::read_csv(sample("waveforms_scope.csv:Channel 2,Channel 1"), from);

@@ -60,14 +60,6 @@ Eigen::VectorXd column_scale(const EverettTrace& trace) {
   return scale;
 }
 
-/// The output's span, spread evenly over the relays that are seen.
-Eigen::VectorXd even_weights(const Eigen::VectorXd& scale, double total) {
-  const Eigen::Index seen = std::max<Eigen::Index>((scale.array() > 0.0).count(), 1);
-  return (scale.array() > 0.0)
-      .select(Eigen::VectorXd::Constant(scale.size(), total / static_cast<double>(seen)),
-              Eigen::VectorXd::Zero(scale.size()));
-}
-
 /// Products with the trace's columns, their means taken out (which solves for the offset).
 class CentredTrace {
  public:
@@ -106,8 +98,7 @@ PreisachWeights fit_preisach_weights(std::span<const TimeRecord> records, double
     EverettTrace trace(u_min, u_max, plane, shape);
     for (const TimeRecord& record : records) trace.add(record, first_counted(record, skip_s));
     const Eigen::VectorXd scale = column_scale(trace);
-    weights =
-        before == 0 ? even_weights(scale, centred.maxCoeff() - centred.minCoeff()) : refined(weights, before);
+    weights = before == 0 ? Eigen::VectorXd::Zero(scale.size()).eval() : refined(weights, before);
     const bool last = plane == levels;
     CentredTrace columns(trace);
     const NonNegativeResult solved =

@@ -84,7 +84,8 @@ TEST(UserDeck, NothingInItRuns) {
     return refusal_of_input([&] { run_ac_of_deck(folder / "x.cir", {Hertz{1.0}}); });
   };
   const std::string include = ".include parts.inc\n";
-  for (const std::string begin : {".control", " .CONTROL now", ".controls", ".cont\n+rol", ".co\n+n\n+trol"}) {
+  for (const std::string begin :
+       {".control", " .CONTROL now", ".controls", ".cont\n+rol", ".co\n+n\n+trol"}) {
     EXPECT_NE(answer("t\n" + include + body, part + begin + run).find("parts.inc:4: has a .control section"),
               std::string::npos)
         << begin;

@@ -214,8 +214,8 @@ Outcome<ComplexPositions> minimax_with_pairs(const ApproximationTask& task) {
       "minimax with complex pairs did not converge for this term, expected real roots or another order"};
 }
 
-/// Fewer poles than |beta|: the best real ones are all at one place, found by search.
-ComplexPositions minimax_of_one_place(const ApproximationTask& task) {
+/// Fewer poles than |beta|: the best real ones are all at one place, found by search. `asked`: ln kappa of the term that was asked for.
+ComplexPositions minimax_of_one_place(const ApproximationTask& task, long double asked) {
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
   const long double beta = task.beta;
   const Remez remez(log_kappa, task.order, {});
@@ -224,7 +224,6 @@ ComplexPositions minimax_of_one_place(const ApproximationTask& task) {
   // Where the total change is right, and up to twice that.
   long double highest = 2.0L * log_kappa * beta / task.order;
   if (task.over_band) {  // of the term that was asked for; e^30 corners further out is as good as nowhere
-    const long double asked = std::acosh(static_cast<long double>(task.kappa));
     const long double far = std::min(2.0L * asked * beta / task.order, asked + 30.0L);
     highest = std::log(std::cosh(0.5L * (asked + far)) / std::cosh(0.5L * (asked - far)));
   }
@@ -235,7 +234,7 @@ ComplexPositions minimax_of_one_place(const ApproximationTask& task) {
 /// Above beta = 2 the best positions leave the real axis. The best real ones then are a multiple root beyond the corner
 /// and simple ones for the rest; the search starts from as many whole powers split off, each a pole and a zero at the
 /// corners.
-Outcome<ComplexPositions> best_positions(const ApproximationTask& task) {
+Outcome<ComplexPositions> best_positions(const ApproximationTask& task, long double asked) {
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
   const long double beta = task.beta;
   const int whole =
@@ -243,7 +242,7 @@ Outcome<ComplexPositions> best_positions(const ApproximationTask& task) {
   const int order = task.order - whole;
   const long double rest = beta - whole;
   if (order < 0 || (rest > 0.0L && order < 1) || (rest > 1.0L && order < 2))
-    return minimax_of_one_place(task);
+    return minimax_of_one_place(task, asked);
   if (!task.real_roots && beta > 2.0L && rest > 0.0L) return minimax_with_pairs(task);
   Positions zeta(static_cast<std::size_t>(whole), log_kappa);
   if (rest > 0.0L) {
@@ -300,7 +299,7 @@ class Minimax final : public Method {
   bool splits_whole_powers() const override { return false; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     const long double log_kappa = std::log(static_cast<long double>(task.kappa));
-    auto found = best_positions(task.over_band ? of_the_band(task) : task);
+    auto found = best_positions(task.over_band ? of_the_band(task) : task, log_kappa);
     if (auto* refusal = std::get_if<Refusal>(&found)) return std::move(*refusal);
     auto zeta = std::get<ComplexPositions>(std::move(found));
     if (task.over_band) {

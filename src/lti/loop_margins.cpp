@@ -104,14 +104,17 @@ std::vector<LoopMargins::PhaseCrossing> phase_crossings(const Loop& loop, const 
 
 /// How far 1 + L turns round 0 over the grid. Near -1 a step of the grid may go half round it: the crossings, on either side
 /// of -1, are steps as well.
-double turn_with_crossings(const Loop& loop, std::vector<Hertz> grid, const LoopMargins& found) {
-  for (const auto& crossing : found.gain_crossings) grid.push_back(crossing.frequency);
-  for (const auto& crossing : found.phase_crossings) grid.push_back(crossing.frequency);
-  std::sort(grid.begin(), grid.end());
-  const std::vector<Complex> values = on_grid(loop, grid);
+double turn_with_crossings(const Loop& loop, const LoopOnGrid& sampled, const LoopMargins& found) {
+  std::vector<std::pair<Hertz, Complex>> at;
+  for (std::size_t i = 0; i < sampled.grid.size(); ++i) at.emplace_back(sampled.grid[i], sampled.values[i]);
+  for (const auto& crossing : found.gain_crossings)
+    at.emplace_back(crossing.frequency, loop(crossing.frequency));
+  for (const auto& crossing : found.phase_crossings)
+    at.emplace_back(crossing.frequency, loop(crossing.frequency));
+  std::sort(at.begin(), at.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   double out = 0.0;
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i - 1] != -1.0) out += std::arg((1.0 + values[i]) / (1.0 + values[i - 1]));
+  for (std::size_t i = 1; i < at.size(); ++i)
+    if (at[i - 1].second != -1.0) out += std::arg((1.0 + at[i].second) / (1.0 + at[i - 1].second));
   return out;
 }
 
@@ -202,7 +205,7 @@ LoopMargins loop_margins(const Loop& loop, const std::vector<Hertz>& points) {
   out.lowest = values.front();
   out.gain_crossings = gain_crossings(loop, grid, values);
   out.phase_crossings = phase_crossings(loop, grid, values);
-  out.encircles = std::abs(turn_with_crossings(loop, grid, out)) > std::numbers::pi;
+  out.encircles = std::abs(turn_with_crossings(loop, sampled, out)) > std::numbers::pi;
   const auto distance = [](Complex l) { return std::abs(1.0 + l); };
   const auto nearest = std::min_element(values.begin(), values.end(),
                                         [&](Complex a, Complex b) { return distance(a) < distance(b); });

@@ -8,11 +8,9 @@
 #include "chain/model_file.hpp"
 #include "functions.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/diagnosis_json.hpp"
 #include "gap/measured_response.hpp"
-#include "gap/report/page.hpp"
+#include "gap/report/files.hpp"
 #include "hysteresis/model_type.hpp"
-#include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"
 #include "records.hpp"
 

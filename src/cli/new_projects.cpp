@@ -29,11 +29,11 @@ namespace bodesmith::cli {
 namespace {
 namespace fs = std::filesystem;
 
-/// The text of a file that a person has, checked by the reader that will read it, or the example's.
+/// The text of a file that a person has, checked by the reader that will read it, or the template `example`.
 template <class Read>
-std::string own_or_example(const CommandLine& line, const std::string& option, const std::string& example,
+std::string own_or_example(const CommandLine& line, const std::string& option, const char* example,
                            Read read) {
-  if (!line.has(option)) return example;
+  if (!line.has(option)) return render_template(example, {});
   const fs::path path = line.get<std::string>(option);
   Provenance from;
   read(path, from);
@@ -53,10 +53,6 @@ void choose_hardware(const CommandLine& line, const Answers& answers, const std:
 }
 
 NewProject filter_project(const CommandLine& line, const Answers& answers, Json& data) {
-  constexpr const char* kCurve =
-      "# A loudspeaker's correction, as read off a measurement: a lift in the bass, a dip at 3 kHz.\n"
-      "frequency_hz,gain_db\n20,5.5\n30,5.2\n50,4.2\n80,2.8\n120,1.6\n200,0.7\n400,0.1\n800,-0.3\n1500,-1.4\n"
-      "2500,-2.9\n3500,-3.1\n5000,-2.0\n8000,-0.8\n12000,-0.3\n20000,0\n";
   NewProject out;
   out.about = "A magnitude read off a curve, to op-amps or a board.";
   data["max_error_db"] = number_text(answers.number("max-error-db", "Largest error at a point, in dB"));
@@ -65,7 +61,7 @@ NewProject filter_project(const CommandLine& line, const Answers& answers, Json&
   out.schemas = {"project"};
   out.files = {
       {"points.csv", "the curve: put your own points here",
-       own_or_example(line, "points", kCurve,
+       own_or_example(line, "points", "new/points.csv",
                       [](const fs::path& path, Provenance& from) { BodePoints::read_csv(path, from); })},
       {"project.toml", "what is required, and what it is built from",
        render_template("new/filter.toml", data)}};
@@ -133,18 +129,6 @@ RecordedStage recorded_stage(const CommandLine& line, Json& data, std::vector<st
 }
 
 NewProject stage_project(const CommandLine& line, const Answers& answers, Json& data) {
-  // The stage of examples/nanopositioner.
-  constexpr const char* kGains =
-      "# How much larger the hysteresis of the descending branch is at each frequency than at the first one.\n"
-      "frequency_hz,gain\n1,1\n10,1.06\n20,1.1\n60,1.04\n100,1.17\n";
-  const Json disturbance = {{"$schema", ".schemas/disturbance.schema.json"},
-                            {"schema", "bodesmith.disturbance/1"},
-                            {"ascending", {0.3546, -0.6433, 0.2887}},
-                            {"descending", {-0.2398, 0.0838, 0.156}},
-                            {"rate",
-                             {{"frequency_hz", {1, 10, 20, 60, 100}},
-                              {"ascending", {1, 1, 1, 1, 1}},
-                              {"descending", {1.0, 1.06, 1.1, 1.04, 1.17}}}}};
   NewProject out;
   out.about = "An analog controller against the hysteresis of a piezo stage.";
   data["stroke_m"] = number_text(answers.number("stroke-m", "Full stroke of the stage, in m"));
@@ -156,11 +140,11 @@ NewProject stage_project(const CommandLine& line, const Answers& answers, Json& 
   if (line.has("records")) {
     own = recorded_stage(line, data, track);
   } else {
-    own.gains = own_or_example(line, "points", kGains, [&](const fs::path& path, Provenance& from) {
+    own.gains = own_or_example(line, "points", "new/gains.csv", [&](const fs::path& path, Provenance& from) {
       data["base_hz"] = number_text(BodePoints::read_csv(path, from).points.front().frequency.value);
     });
     own.disturbance =
-        own_or_example(line, "disturbance", to_text(disturbance),
+        own_or_example(line, "disturbance", "new/disturbance.json",
                        [](const fs::path& path, Provenance& from) { Disturbance::read(path, from); });
   }
   if (line.has("track-hz")) {

@@ -6,17 +6,31 @@
 
 #include "chain/chain.hpp"
 #include "gap/evidence/posterior.hpp"
-#include "gap/report/constant_offset.hpp"
 #include "gap/report/next_experiment.hpp"
 #include "gap/report/size.hpp"
 #include "gap/report/where.hpp"
 #include "gap/search.hpp"
 #include "gap/search/start_choice.hpp"
+#include "gap/search_result.hpp"
 #include "gap/signs/amplitude_dependence.hpp"
 #include "gap/study.hpp"
-#include "gap/verdict.hpp"
 
 namespace bodesmith::gap {
+
+enum class Verdict {
+  explained,
+  partly_explained,
+  nothing_missing,
+  unexplained,
+  interrupted,  ///< the search was stopped before its end: what it found so far, and no judgement
+};
+
+/// "explained", "partly_explained", "nothing_missing", "unexplained" or "interrupted", as in diagnosis.json.
+std::string to_string(Verdict verdict);
+
+/// What a search's outcome amounts to. With a floor from periods, what is left counts as something missing
+/// when it is more than `enough` times the floor; in any case when signs of structure are left.
+Verdict verdict_of(const SearchResult& result, double train_rms, double enough);
 
 /// A value that a term's fit found, and twice its standard deviation to both sides, the residual's colour
 /// counted.

@@ -1,4 +1,4 @@
-#include "gap/diagnosis_json.hpp"
+#include "gap/report/files.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "identify/fit_report.hpp"
+#include "identify/record_findings.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "base/documents/json_fwd.hpp"
+#include "chain/chain.hpp"
 #include "hysteresis/model_type.hpp"
+#include "identify/stage_fit.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::identify {
@@ -24,5 +27,11 @@ struct RecordFindings {
 /// (5 % of the error at least).
 RecordFindings find_in_records(std::span<const TimeRecord> records,
                                const hysteresis::IdentifyOptions& options, bool look_for_delay);
+
+/// A fit as reports have it: errors in training and held out, parameters with their deviations; or why it was refused.
+Json to_json(const StageFit& fit);
+/// The fitted stage as model.toml has it: with a free gain and offset behind it where nothing is free (what diagnose may
+/// refit before it blames what is missing), and with what it has seen in its table [trained].
+chain::Chain identified_model(const StageFit& fit, std::span<const TimeRecord> training, double skip_s);
 
 }  // namespace bodesmith::identify

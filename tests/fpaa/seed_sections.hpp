@@ -2,7 +2,7 @@
 
 #include "fpaa/plan/error_reference.hpp"
 #include "fpaa/plan/plan.hpp"
-#include "fpaa/search/plan_of_design.hpp"
+#include "fpaa/search/design.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith::fpaa {

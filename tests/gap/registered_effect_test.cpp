@@ -8,10 +8,9 @@
 #include "base/documents/json.hpp"
 #include "chain/registry.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/diagnosis_json.hpp"
 #include "gap/effect.hpp"
 #include "gap/made_model.hpp"
-#include "gap/report/page.hpp"
+#include "gap/report/files.hpp"
 
 namespace {
 

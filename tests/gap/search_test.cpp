@@ -12,8 +12,7 @@
 #include "gap/cases/expect.hpp"
 #include "gap/cases/time_cases.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/diagnosis_json.hpp"
-#include "gap/report/page.hpp"
+#include "gap/report/files.hpp"
 #include "gap/runner.hpp"
 #include "simulate/simulate.hpp"
 

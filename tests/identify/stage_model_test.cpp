@@ -9,7 +9,6 @@
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "hysteresis/model_type.hpp"
-#include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"
 #include "identify/stage_fit.hpp"
 

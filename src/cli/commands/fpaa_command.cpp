@@ -18,7 +18,6 @@
 #include "fpaa/sheets/board_netlist.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
-#include "fpaa/sheets/zrna_script.hpp"
 #include "fpaa/streams/stream_output.hpp"
 #include "lti/sections.hpp"
 #include "project/report/report_chapters.hpp"

@@ -15,7 +15,6 @@
 #include "cli/commands.hpp"
 #include "cli/modes/modes.hpp"
 #include "hysteresis/model_type.hpp"
-#include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"
 #include "identify/stage_fit.hpp"
 

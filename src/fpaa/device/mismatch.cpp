@@ -44,4 +44,15 @@ Json NoiseModel::to_json() const {
   return {{"unit_capacitance_f", unit_capacitance_f}, {"temperature_k", temperature_k}};
 }
 
+const char* to_string(UnitArray array) {
+  return array == UnitArray::nested ? "nested" : "binary";
+}
+
+ExchangedUnits exchanged_units(int from, int to, UnitArray array, double unit_variance) {
+  if (from == to || from <= 0 || to <= 0) return {};
+  const double shared = array == UnitArray::nested ? std::min(from, to) : from & to;
+  const double n = from;
+  return {shared / n, unit_variance * (shared * (n - shared) / n + (to - shared))};
+}
+
 }  // namespace bodesmith::fpaa

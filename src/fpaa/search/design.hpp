@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "fpaa/cams/filter_stage.hpp"
+#include "fpaa/plan/plan.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -35,5 +37,11 @@ struct Design {
 double snapped(double value);
 /// Figures nearer to one another than this share of them are the same: rounding is some 1e-13 of what is compared.
 inline constexpr double kSame = 1e-9;
+
+/// A finished design (whole capacitors) as CAMs on chips with clocks, places, wires and pins; without errors,
+/// notes and headroom. A stage goes to the chip of what it reads if there is room (op-amps and capacitors in
+/// one CAB, at most six clocks of one system divisor, seven pins a chip), else to the next that has it. Refused
+/// when the board is too small.
+Outcome<Plan> plan_of_design(const Design& design, const Board& board);
 
 }  // namespace bodesmith::fpaa

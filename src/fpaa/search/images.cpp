@@ -1,4 +1,4 @@
-#include "fpaa/search/images.hpp"
+#include "fpaa/search/score.hpp"
 
 #include <algorithm>
 #include <cmath>

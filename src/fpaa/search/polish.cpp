@@ -1,5 +1,3 @@
-#include "fpaa/search/polish.hpp"
-
 #include <algorithm>
 #include <cmath>
 

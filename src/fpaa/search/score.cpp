@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "fpaa/plan/plan_limits.hpp"
-#include "fpaa/search/images.hpp"
 #include "numeric/random.hpp"
 #include "signal/statistics.hpp"
 

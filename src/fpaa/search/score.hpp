@@ -5,6 +5,7 @@
 
 #include "fpaa/device/mismatch.hpp"
 #include "fpaa/search/fit.hpp"
+#include "fpaa/search/sine_response.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -63,5 +64,13 @@ std::vector<NodePeak> node_peaks(const DesignResponse& response);
 /// output's, an op-amp inside a stage as its output (all capacitors that leave a node times its factor, those that enter divided
 /// by it; Schreier and Temes, Understanding Delta-Sigma Data Converters, 4.4, scaleABCD).
 void scale_nodes(Design& design, const StageFactorTable& table);
+
+/// What the switches put into the band beside a sine, in closed form: all lines k fc +- f of its clocks there together, against the
+/// response asked for at the sine; rms over sines spread evenly over the band's decades. 0 where every clock is above twice the band.
+///
+/// A stage of period T makes of a line m of its input, x the input and Tp the end of a phase,
+///   int y exp(-jmt) dt = (y(Tp) + gp x(Tp)) int exp(-jmt) dt - gp int x exp(-jmt) dt      over each phase,
+/// and a reader at a slower clock adds the faster one's periods up.
+double image_share(const Design& design, const DesignTarget& target);
 
 }  // namespace bodesmith::fpaa

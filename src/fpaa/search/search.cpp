@@ -12,8 +12,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "fpaa/search/chain.hpp"
-#include "fpaa/search/plan_of_design.hpp"
-#include "fpaa/search/polish.hpp"
+#include "fpaa/search/design.hpp"
 #include "fpaa/search/whole_capacitors.hpp"
 #include "numeric/parallel_for.hpp"
 
@@ -115,12 +114,10 @@ class ChainSearch {
       }
       given_ = std::int64_t{clock->system_divisor} * clock->divisor;
     }
-    double promise = std::numeric_limits<double>::infinity();
-    std::vector<Candidate> found = searched(candidates(), promise);
+    std::vector<Candidate> found = searched(candidates());
     if (found.empty()) return why_not_.value_or(nothing());
     if (!options_.quick) {
-      for (Candidate& joined : searched(joined_candidates(found), promise))
-        found.push_back(std::move(joined));
+      for (Candidate& joined : searched(joined_candidates(found))) found.push_back(std::move(joined));
     }
     sort_by_rank(found);
     std::vector<FoundPlan> out;
@@ -170,9 +167,8 @@ class ChainSearch {
     return out;
   }
 
-  /// From chains as they come to the best of them with whole capacitors; empty where none fits on the board. With any capacitors the
-  /// best may come to `promise`, which is set; what promises less than is given is left.
-  std::vector<Candidate> searched(std::vector<Candidate> list, double& promise) {
+  /// From chains as they come to the best of them with whole capacitors; empty where none fits on the board.
+  std::vector<Candidate> searched(std::vector<Candidate> list) {
     improve(list, "chains", [&](Candidate& c) { return fitted(c, target_, 10, 1); });
     keep_placeable(list, options_.quick ? kQuickOpamps : kFittedOpamps);
     improve(list, "chains, closer", [&](Candidate& c) { return fitted(c, target_, 25, 2); });
@@ -181,8 +177,6 @@ class ChainSearch {
       return list;
     }
     if (!given_ && options_.topology != PlanOptions::Topology::bilinear) move_clocks(list);
-    std::erase_if(list, [&](const Candidate& c) { return c.rank() > promise; });
-    if (!list.empty()) promise = list.front().rank();
     keep_placeable(list, kWholeOpamps);
     make_all_whole(list);
     std::vector<Candidate> refined;
@@ -464,9 +458,7 @@ class ChainSearch {
     const StageFactorTable table(seen);
     c.exact = *c.design;
     fit_design(c.exact, table, 25, 3);
-    Design scaled = c.exact;
-    scale_nodes(scaled, table);
-    c.score = full_bank_score(scaled, table);
+    c.score = full_bank_score(c.exact, table);
     c.bound = c.rank();
     if (!may_win(c.bound)) return false;
     Design whole = c.exact;

@@ -275,7 +275,6 @@ std::optional<Stage> second_order_stage(const StageRoots& roots, double period) 
   if (beta1 < 0.0 && beta2 <= 0.0) beta0 = -beta0, beta1 = -beta1, beta2 = -beta2;
   // A little of the wrong sign is what the fit can do without (lag of the numerator against 1/z).
   if (beta1 < 0.0 && -beta1 < 0.6 * std::abs(beta0)) beta1 = 0.0;
-  if (beta2 < 0.0 && roots.zeros.size() < 2) beta2 = 0.0;
   return second_order_stage(own, beta0, beta1, beta2);
 }
 

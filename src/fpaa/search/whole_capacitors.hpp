@@ -2,6 +2,7 @@
 
 #include "fpaa/device/mismatch.hpp"
 #include "fpaa/search/fit.hpp"
+#include "fpaa/search/score.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -21,5 +22,10 @@ struct RoundingWidth {
 /// each; designs are compared with what is left fitted. False where some stage cannot be made (a capacitor
 /// below half a unit).
 bool make_whole(Design& design, const StageFactorTable& table, RoundingWidth width = {});
+
+/// Pairs of capacitors of any stages, each up and down by a few units together, found with the first derivatives and
+/// judged by the exact response: what a single capacitor spoils another one may mend. The spread by mismatch counts
+/// beside the error.
+void polish_pairs(Design& design, const StageFactorTable& table, const MismatchModel& mismatch, int rounds);
 
 }  // namespace bodesmith::fpaa

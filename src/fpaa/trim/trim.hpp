@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/documents/json_fwd.hpp"
-#include "fpaa/device/exchanged_units.hpp"
+#include "fpaa/device/mismatch.hpp"
 #include "fpaa/plan/drawn_board.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "lti/sections.hpp"

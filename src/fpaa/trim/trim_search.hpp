@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fpaa/device/exchanged_units.hpp"
+#include "fpaa/device/mismatch.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -5,8 +5,6 @@
 #include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
-#include "gap/diagnosis_json.hpp"
-#include "gap/report/page.hpp"
 
 namespace bodesmith::gap {
 

@@ -1,4 +1,4 @@
-#include "gap/report/page.hpp"
+#include "gap/report/files.hpp"
 
 #include <fmt/format.h>
 

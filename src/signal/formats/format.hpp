@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/registry.hpp"
-#include "signal/formats/content.hpp"
+#include "signal/formats/text_encoding.hpp"
 
 namespace bodesmith::formats {
 

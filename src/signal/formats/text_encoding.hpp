@@ -12,4 +12,7 @@ std::string to_utf8(std::string_view bytes);
 /// Two bytes a character, the second of them 0 (Latin letters): how LTspice's binary files begin.
 bool begins_as_utf16(std::string_view bytes, std::string_view word);
 
+/// What a command wants of a file: a plain table without a header can be either.
+enum class Content { any, response, record };
+
 }  // namespace bodesmith::formats

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "base/files.hpp"
-#include "gap/verdict.hpp"
+#include "gap/diagnosis.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {

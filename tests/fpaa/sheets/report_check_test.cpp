@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/seed_sections.hpp"
-#include "fpaa/sheets/zrna_script.hpp"
+#include "fpaa/sheets/build_sheet.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith::fpaa {

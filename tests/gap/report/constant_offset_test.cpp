@@ -1,5 +1,5 @@
 // A held-out record whose zero has moved: said, with its size.
-#include "gap/report/constant_offset.hpp"
+#include "gap/report/size.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,8 @@
 
 #include "base/documents/json.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/diagnosis_json.hpp"
 #include "gap/made_record.hpp"
-#include "gap/report/page.hpp"
+#include "gap/report/files.hpp"
 
 namespace bodesmith {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "base/documents/json.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/diagnosis_json.hpp"
 #include "gap/made_model.hpp"
+#include "gap/report/files.hpp"
 
 namespace {
 

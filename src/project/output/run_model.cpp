@@ -31,9 +31,11 @@ Block called(Block block, const char* name) {
   return block;
 }
 
+/// `alpha`: the stroke for which amplitude gains stand.
 Block loop_of(const generator::DisturbanceCircuit& controller, const Disturbance& disturbance,
-              Hertz operating, const schematic::Deviations& off) {
+              Hertz operating, const schematic::Deviations& off, double alpha = 1.0) {
   generator::BuiltGenerator built(controller, off);
+  if (controller.stroke) built.set_stroke(alpha);
   const std::vector<double> frequency = hertz_values(disturbance.rate.frequency);
   Block out = make_block("loop");
   for (const auto& [which, list, constant, rates] :
@@ -43,11 +45,13 @@ Block loop_of(const generator::DisturbanceCircuit& controller, const Disturbance
     built.set_rate(operating);
     const double gain = built.rate_gain(which);
     double y[4];
-    for (int i = 0; i < 4; ++i) y[i] = built.subtracted(which, i / 3.0) / gain;
+    for (int i = 0; i < 4; ++i) y[i] = built.subtracted(which, i / 3.0) / gain;  // of the stroke
     const double d1 = y[1] - y[0];
     const double d2 = y[2] - 2.0 * y[1] + y[0];
     const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
-    out.set(list, std::vector<double>{3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3});
+    out.set(list,
+            std::vector<double>{(3.0 * d1 - 1.5 * d2 + d3) / alpha, (4.5 * d2 - 4.5 * d3) / (alpha * alpha),
+                                4.5 * d3 / (alpha * alpha * alpha)});
     out.set(constant, y[0] * gain);
     std::vector<double> gains;
     for (const Hertz f : disturbance.rate.frequency) {
@@ -112,8 +116,8 @@ class ControllerAtRest final : public tracking::BuiltController {
     return controller::CircuitController(controller_, std::nullopt).part_count();
   }
   tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override {
-    const Block loop =
-        loop_of(*controller_, disturbance_, operating, schematic::Deviations::none(*controller_));
+    const Block loop = loop_of(*controller_, disturbance_, operating,
+                               schematic::Deviations::none(*controller_), reference.alpha());
     chain::Kernel kernel = loop.kernel();
     chain::MemoryKernel& steps = *std::get<std::unique_ptr<chain::MemoryKernel>>(kernel);
     const std::size_t count = kSamples * reference.periods();

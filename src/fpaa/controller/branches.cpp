@@ -8,7 +8,6 @@
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/multiplier.hpp"
 #include "fpaa/cams/transfer_function.hpp"
-#include "fpaa/controller/weights.hpp"
 
 namespace bodesmith::fpaa {
 namespace {

@@ -83,4 +83,18 @@ class ControllerBranches {
 /// the variant's figures (compensators and rate gains are 1 there).
 void set_polynomial_error(ControllerVariant& variant, const Disturbance& disturbance);
 
+/// The whole controller with its polynomials made in one way, in one structure: every CAM in signal order
+/// with its capacitors and its place, what stands outside, the I/O cells it needs, its delay and its error.
+/// Where it does not fit on the board or cannot work, the variant says so.
+ControllerVariant laid_out(PolynomialBy by, ControllerStructure structure, const Disturbance& disturbance,
+                           const Plan* ascending, const Plan* descending, const ControllerOptions& options);
+
+/// Gives a CAM that weighs its inputs (SumDiff; GainHold, one input, inverting) the capacitors that make
+/// `rate_gain` times its weights with the least error (products): its z, realised gains and late inputs
+/// follow. A weight of 0 has no capacitor.
+void set_weights(ControllerCam& cam, double rate_gain, int max_capacitor);
+
+/// A SumDiff whose first weight is exactly 1: the others as near as capacitors come.
+void set_weights_first_exact(ControllerCam& cam, int max_capacitor);
+
 }  // namespace bodesmith::fpaa

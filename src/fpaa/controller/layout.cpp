@@ -1,4 +1,4 @@
-#include "fpaa/controller/layout.hpp"
+#include "fpaa/controller/branches.hpp"
 
 #include <fmt/format.h>
 
@@ -12,10 +12,8 @@
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/filter_stage.hpp"
 #include "fpaa/cams/transfer_function.hpp"
-#include "fpaa/controller/branches.hpp"
 #include "fpaa/controller/io.hpp"
 #include "fpaa/controller/scale.hpp"
-#include "fpaa/controller/weights.hpp"
 #include "fpaa/plan/assembly.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 #include "fpaa/streams/lookup_stage.hpp"

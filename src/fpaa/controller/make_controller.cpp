@@ -5,8 +5,7 @@
 #include <algorithm>
 
 #include "base/text.hpp"
-#include "fpaa/controller/layout.hpp"
-#include "fpaa/controller/weights.hpp"
+#include "fpaa/controller/branches.hpp"
 
 namespace bodesmith::fpaa {
 namespace {

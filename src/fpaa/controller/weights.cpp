@@ -1,4 +1,4 @@
-#include "fpaa/controller/weights.hpp"
+#include "fpaa/controller/branches.hpp"
 
 #include <fmt/format.h>
 

@@ -179,6 +179,11 @@ chain::Chain as_model(const std::filesystem::path& path, ModelRequest& asked, Pr
       throw InputError(path.string(), 0, "has no model.toml, expected a folder that bodesmith run wrote");
     return chain::read_model(path / "model.toml", from);
   }
+  if (path.extension() == ".csv")
+    throw InputError(
+        path.string(), 0,
+        "is a table, expected what was designed or built, or a run's folder; records become models by identify, "
+        "responses by fit");
   const Node node = read_document(path, from);
   const std::string schema = node.at("schema").string();
   if (schema == "bodesmith.model/1") return chain::model_from_node(node);

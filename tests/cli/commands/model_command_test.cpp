@@ -84,6 +84,10 @@ TEST(ModelCommand, SaysWhatItDoesNotTake) {
     EXPECT_EQ(result.status, 2);
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   }
+  write_file(folder / "r.csv", "frequency_hz,magnitude_db\n1,0\n");
+  const std::string table = (folder / "r.csv").string();
+  EXPECT_THAT(run_bodesmith("model " + table + " -o " + (folder / "m.toml").string()).err,
+              HasSubstr("r.csv: is a table, expected"));
 }
 
 /// Full strokes of a stage whose falling branch grows with frequency, worked out here.

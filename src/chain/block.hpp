@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <complex>
 #include <memory>
 #include <optional>
@@ -26,7 +27,7 @@ struct WantedOutput;
 /// What a part's departure from its value does to the parameters of the block that it belongs to.
 struct PartChange {
   std::string part;        ///< "Rd3"; "M2, offset of X"
-  std::string unit;        ///< of the departure: "percent" of the value, or "v"
+  std::string unit = {};   ///< of the departure: "percent" of the value, or "v"
   double tolerance = 0.0;  ///< a good part is within so much of its value
   /// p(t) = p + slope t/(1 + bend t): any voltage of a resistive network depends on one of its resistors so
   /// (bilinear: Bode, Network Analysis and Feedback Amplifier Design, 1945, 10).
@@ -36,7 +37,12 @@ struct PartChange {
     double bend = 0.0;
     double of(double departure) const { return slope * departure / (1.0 + bend * departure); }
   };
-  std::vector<Entry> entries;
+  std::vector<Entry> entries = {};
+  /// Of an op-amp of a section, N = [d0, d1, d2]: 1/beta = (d0 + d1 s/w + d2 (s/w)^2)/P(s), P the section's denominator, 1 at DC,
+  /// w its natural frequency or pole. With another gain-bandwidth f the section is H/(1 + s (1/f - 1/gain_bandwidth_hz)/(2 pi beta)):
+  /// exact where nothing passes the section without the op-amp and the op-amp was ideal (Bode 1945, 5). Empty: no op-amp.
+  std::vector<double> noise_gain = {};
+  double gain_bandwidth_hz = INFINITY;  ///< that the block's parameters hold
 
   bool is_offset() const { return unit == "v"; }
   /// The largest departure that is looked for: more of a value is a short or another decade, an offset is within so many
@@ -45,6 +51,9 @@ struct PartChange {
 
   /// From the values of the parameters at `departure` to both sides, less those at none.
   void add(std::string parameter, double departure, double above, double below);
+  /// The same for every parameter of `block` that differs by more than `nothing` of it in those with the departure.
+  void add_differences(const Block& block, double departure, const Block& above, const Block& below,
+                       double nothing);
 };
 
 /// y = factor u + constant.

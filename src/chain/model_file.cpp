@@ -57,11 +57,22 @@ void read_free(Block& block, const Node& free) {
   }
 }
 
-/// `parts`: a table a part, {unit, tolerance, "parameter" = [slope, bend], …}.
+/// `parts`: a table a part, {unit, tolerance, "parameter" = [slope, bend], …}; of an op-amp {gain_bandwidth_hz,
+/// noise_gain = [d0, d1, d2]}.
 std::shared_ptr<const std::vector<PartChange>> parts_from_node(const Block& block, const Node& node) {
   auto out = std::make_shared<std::vector<PartChange>>();
   for (const auto& [part, table] : node.members()) {
-    PartChange one{part, table.at("unit").one_of({"percent", "v"}), table.at("tolerance").non_negative(), {}};
+    if (table.has("noise_gain")) {
+      table.allow_only({"noise_gain", "gain_bandwidth_hz"});
+      const std::vector<double> gain = table.at("noise_gain").numbers();
+      if (gain.size() != 3) table.at("noise_gain").fail("has not three numbers, expected [d0, d1, d2]");
+      PartChange opamp{.part = part};
+      opamp.noise_gain = gain;
+      opamp.gain_bandwidth_hz = table.at("gain_bandwidth_hz").positive();
+      out->push_back(std::move(opamp));
+      continue;
+    }
+    PartChange one{part, table.at("unit").one_of({"percent", "v"}), table.at("tolerance").non_negative()};
     for (const auto& [name, value] : table.members()) {
       if (name == "unit" || name == "tolerance") continue;
       const auto& all = block.parameters();
@@ -145,13 +156,19 @@ std::vector<std::string> free_names(const Block& block) {
 Json parts_json(const std::vector<PartChange>& parts) {
   Json values = Json::array();
   for (const PartChange& one : parts) {
-    std::string text = fmt::format("{{unit = \"{}\", tolerance = {}", one.unit, number_text(one.tolerance));
+    std::string text =
+        one.noise_gain.empty()
+            ? fmt::format("{{unit = \"{}\", tolerance = {}", one.unit, number_text(one.tolerance))
+            : fmt::format("{{gain_bandwidth_hz = {}, noise_gain = {}", number_text(one.gain_bandwidth_hz),
+                          toml_list("noise_gain", one.noise_gain));
     for (const PartChange::Entry& entry : one.entries)
       text += fmt::format(", \"{}\" = [{}, {}]", entry.parameter, number_text(entry.slope),
                           number_text(entry.bend));
     values.push_back({{"part", "\"" + one.part + "\""}, {"change", text + "}"}});
   }
-  return {{"values", values}};
+  const bool opamps =
+      std::any_of(parts.begin(), parts.end(), [](const auto& p) { return !p.noise_gain.empty(); });
+  return {{"values", values}, {"opamps", opamps}};
 }
 
 struct TrainedKey {

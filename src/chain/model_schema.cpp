@@ -87,11 +87,25 @@ Json parts_schema() {
         {"tolerance", {{"type", "number"}, {"minimum", 0}, {"description", "of a good part"}}}}},
       {"required", {"unit", "tolerance"}},
       {"additionalProperties", pair}};
+  const Json opamp = {
+      {"type", "object"},
+      {"properties",
+       {{"gain_bandwidth_hz",
+         {{"type", "number"}, {"exclusiveMinimum", 0}, {"description", "that the block's parameters hold"}}},
+        {"noise_gain",
+         {{"type", "array"},
+          {"items", {{"type", "number"}}},
+          {"minItems", 3},
+          {"maxItems", 3},
+          {"description",
+           "[d0, d1, d2]: 1/beta = (d0 + d1 s/w + d2 (s/w)^2) over the section's denominator"}}}}},
+      {"required", {"gain_bandwidth_hz", "noise_gain"}},
+      {"additionalProperties", false}};
   return {
       {"description",
        "what each part that is t off does to the block's parameters p: [slope, bend] of p + slope t/(1 + bend t)"},
       {"type", "object"},
-      {"additionalProperties", part}};
+      {"additionalProperties", {{"anyOf", {part, opamp}}}}};
 }
 
 }  // namespace

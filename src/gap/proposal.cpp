@@ -70,6 +70,22 @@ Proposal change_block(const Scene& scene, const Effect& effect, std::size_t posi
   return propose_term(*scene.model, std::move(term), std::move(starts));
 }
 
+Proposal change_part(const Scene& scene, const Effect& effect, std::size_t position, std::size_t which) {
+  const int id = scene.model->id_at(position);
+  const chain::Block good = scene.model->at(position);
+  const chain::PartChange part = (*good.parts)[which];
+  const double most = part.most();
+  const double start = part.is_offset() ? part.tolerance : 2.0;
+  Term term;
+  term.effect = &effect;
+  term.placed = part.part + " " + inside_block(*scene.model, position);
+  term.part = part.part;
+  term.unknowns = {linear_unknown(part.is_offset() ? "off_v" : "off_percent", -most, most, start)};
+  term.write = [id, good, part](Model& m, std::span<const double> v) { m.block(id) = good.with(part, v[0]); };
+  term.undo = [id, good](Model& m) { m.block(id) = good; };
+  return propose_term(*scene.model, std::move(term), {{start}});
+}
+
 Proposal propose_term(Model model, Term term, Starts starts) {
   for (std::size_t k = 0; k < term.unknowns.size(); ++k) term.unknowns[k].value = starts.front()[k];
   model.add(std::move(term));

@@ -31,6 +31,8 @@ Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t posi
 /// For effects inside a base block: the unknowns' names are its parameters.
 Proposal change_block(const Scene& scene, const Effect& effect, std::size_t position,
                       std::vector<Unknown> unknowns, Starts starts);
+/// For effects that are a part of a base block (Block::parts) off its value, by percent or volts.
+Proposal change_part(const Scene& scene, const Effect& effect, std::size_t position, std::size_t which);
 /// For all others: `model` is the scene's with the term's blocks in it, `term` knows how to write its
 /// unknowns; their values become those of the first start.
 Proposal propose_term(Model model, Term term, Starts starts);

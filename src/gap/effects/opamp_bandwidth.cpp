@@ -2,36 +2,49 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "chain/opamp_poles.hpp"
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-/// A section g (1 + s/z)/(1 + s/p) of the chain, and what stands behind it: a resonator with the two new poles, and a pole_zero
-/// whose zero cancels the section's own one. The section stays as it is, so that its capacitors can be off besides.
-struct SlowSection {
-  int id;
-  int poles;
-  int instead;
+/// Of its good value, at the most: less is no fault, and what it does would vanish.
+constexpr double kSlower = 0.99;
+
+/// An op-amp of a section H = N(s)/P(s), P(0) = 1, and the blocks that stand behind the section for it. With 1/beta = D(s)/P(s) and
+/// a gain-bandwidth f the section is H P/(P + s D/(2 pi f)): a biquad of the zeros P and two of the poles, a lowpass of the
+/// last. The section stays as it is, so that its capacitors can be off besides.
+struct SlowOpamp {
+  int section;
+  int pair = -1;             ///< -1: the section has none
+  int last = -1;             ///< -1: the section has one pole
+  std::vector<double> gain;  ///< D as chain::PartChange::noise_gain; empty: of one op-amp, inverting or not
+  bool inverting = false;
+  double known_per_hz = 0.0;  ///< of its gain-bandwidth that the section has in it
 };
 
-/// The pole behind the cancelling zero lies this many times beyond the new ones, where it does nothing.
-constexpr double kOutOfTheWay = 1e4;
+/// Of one op-amp 1/beta = 1 + |H| when inverting, |H| when not, |H| = g (1 + s/z)/(1 + s/p).
+std::vector<double> one_opamps_gain(const chain::Block& section, bool inverting) {
+  const double g = std::abs(section.get("gain"));
+  const double own = inverting ? 1.0 : 0.0;
+  return {own + g, own + g * section.get("pole_hz") / section.get("zero_hz"), 0.0};
+}
 
-/// H/(1 + N s/w_t), H = g (1 + s/z)/(1 + s/p), noise gain N = 1 + H when inverting, H when not: its zero
-/// stays, its two poles, real or complex, are those of 1 + b s + a s^2 in hertz.
-void write_two_poles(Model& model, const SlowSection& section, double gain_bandwidth_hz, bool inverting) {
-  const double g = std::abs(model.block(section.id).get("gain"));
-  const double z = model.block(section.id).get("zero_hz");
-  const double p = model.block(section.id).get("pole_hz");
-  const double b = 1.0 / p + (inverting ? 1.0 + g : g) / gain_bandwidth_hz;
-  const double a = ((inverting ? 1.0 / p : 0.0) + g / z) / gain_bandwidth_hz;
-  const double natural_hz = 1.0 / std::sqrt(a);
-  model.block(section.instead).set("zero_hz", p).set("pole_hz", kOutOfTheWay * std::max(natural_hz, b / a));
-  model.block(section.poles)
-      .set("natural_frequency_hz", natural_hz)
-      .set("damping_ratio", 0.5 * b * natural_hz);
+void write_poles(Model& model, const SlowOpamp& opamp, double gain_bandwidth_hz) {
+  const chain::Block& section = model.block(opamp.section);
+  const chain::OpampPoles poles =
+      chain::opamp_poles(section, opamp.gain.empty() ? one_opamps_gain(section, opamp.inverting) : opamp.gain,
+                         1.0 / gain_bandwidth_hz - opamp.known_per_hz);
+  const bool two = opamp.last >= 0;
+  if (two) model.block(opamp.last).set("corner_hz", poles.last->value);
+  if (opamp.pair < 0) return;
+  const double up = poles.natural_frequency_hz / section.get(chain::corner_of(section));
+  model.block(opamp.pair)
+      .set("bandpass_gain", (two ? 2.0 * section.get("damping_ratio") : 1.0) * up)
+      .set("highpass_gain", two ? up * up : 0.0)
+      .set("natural_frequency_hz", poles.natural_frequency_hz)
+      .set("damping_ratio", poles.damping_ratio);
 }
 
 class OpampBandwidth final : public Effect {
@@ -40,49 +53,85 @@ class OpampBandwidth final : public Effect {
       : Effect({.name = "opamp_bandwidth",
                 .what = "finite gain-bandwidth of a section's op-amp",
                 .experiment = "the section alone, measured a decade higher",
-                .linear = true}) {}
+                .linear = true,
+                .places_a_round = 4}) {}
+  /// Each op-amp of the sections whose op-amps are known; of other sections with a zero one op-amp, inverting or not. Boards carry
+  /// one type of op-amp: all of them as well.
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    std::vector<std::size_t> sections;
+    std::vector<Place> known;
+    std::vector<std::size_t> others;
     for (std::size_t at : scene.base_places()) {
       const auto& section = scene.model->at(at);
-      if (!section.has("pole_hz") || !section.has("zero_hz")) continue;
-      const bool free = std::any_of(section.parameters().begin(), section.parameters().end(),
-                                    [](const chain::Parameter& p) { return p.free && p.key() == "pole_hz"; });
-      if (!free) sections.push_back(at);
+      if (section.parts) {
+        for (const auto& part : *section.parts) {
+          if (!part.noise_gain.empty())
+            known.push_back({at, part.part, part.noise_gain, false, part.gain_bandwidth_hz});
+        }
+      } else if (section.has("pole_hz") && section.has("zero_hz")) {
+        const bool free =
+            std::any_of(section.parameters().begin(), section.parameters().end(),
+                        [](const chain::Parameter& p) { return p.free && p.key() == "pole_hz"; });
+        if (!free) others.push_back(at);
+      }
     }
+    propose_all(scene, known, out);
     for (const bool inverting : {true, false}) {
-      for (std::size_t at : sections) out.push_back(in_sections(scene, {at}, inverting));
-      // Boards carry one type of op-amp.
-      if (sections.size() > 1) out.push_back(in_sections(scene, sections, inverting));
+      std::vector<Place> places;
+      for (std::size_t at : others) places.push_back({at, scene.model->at(at).part, {}, inverting});
+      propose_all(scene, places, out);
     }
   }
 
  private:
-  Proposal in_sections(const Scene& scene, const std::vector<std::size_t>& sections, bool inverting) const {
+  struct Place {
+    std::size_t at;
+    std::string part;
+    std::vector<double> gain;
+    bool inverting = false;
+    double known_hz = INFINITY;
+  };
+
+  void propose_all(const Scene& scene, const std::vector<Place>& places, std::vector<Proposal>& out) const {
+    for (const Place& place : places) out.push_back(slow(scene, {place}));
+    if (places.size() > 1) out.push_back(slow(scene, places));
+  }
+
+  Proposal slow(const Scene& scene, const std::vector<Place>& places) const {
     Model model = *scene.model;
     Term term;
     term.effect = this;
-    std::vector<SlowSection> found;
+    std::vector<SlowOpamp> found;
+    std::vector<std::string> numbers, parts;
     // From behind, so that the places in front stay where they are.
-    for (auto at = sections.rbegin(); at != sections.rend(); ++at) {
-      const int poles = model.insert(*at + 1, chain::make_block("resonator"));
-      const int instead = model.insert(*at + 2, chain::make_block("pole_zero"));
-      found.push_back({model.id_at(*at), poles, instead});
-      term.blocks.insert(term.blocks.end(), {poles, instead});
-    }
-    std::vector<std::string> numbers;
-    std::vector<std::string> parts;
-    for (std::size_t at : sections) {
-      numbers.push_back(std::to_string(scene.model->base_number(at)));
-      if (const auto& part = scene.model->at(at).part; !part.empty()) parts.push_back(part);
+    for (auto place = places.rbegin(); place != places.rend(); ++place) {
+      SlowOpamp one{.section = model.id_at(place->at),
+                    .gain = place->gain,
+                    .inverting = place->inverting,
+                    .known_per_hz = 1.0 / place->known_hz};
+      const bool none = chain::corner_of(model.at(place->at)).empty();
+      if (none || (!place->gain.empty() && place->gain[2] > 0.0)) {
+        one.last = model.insert(place->at + 1, chain::make_block("lowpass"));
+        term.blocks.push_back(one.last);
+      }
+      if (!none) {
+        one.pair = model.insert(place->at + 1, chain::make_block("biquad").set("lowpass_gain", 1.0));
+        term.blocks.push_back(one.pair);
+      }
+      found.push_back(std::move(one));
+      const std::string number = std::to_string(scene.model->base_number(place->at));
+      if (numbers.empty() || numbers.front() != number) numbers.insert(numbers.begin(), number);
+      if (!place->part.empty()) parts.insert(parts.begin(), place->part);
     }
     term.part = join(parts, ", ");
     term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
-    term.unknowns = {logarithmic_unknown("gain_bandwidth_hz", 0.5 * scene.band_hz, 1e4 * scene.band_hz)};
+    // One that is as good as the section says does nothing.
+    const double most = std::min(1e4 * scene.band_hz, kSlower * places.front().known_hz);
+    term.unknowns = {
+        logarithmic_unknown("gain_bandwidth_hz", std::min(0.5 * scene.band_hz, 0.5 * most), most)};
     Starts starts;
-    for (double factor : {100.0, 20.0, 4.0}) starts.push_back({factor * scene.band_hz});
-    term.write = [found, inverting](Model& m, std::span<const double> v) {
-      for (const auto& section : found) write_two_poles(m, section, v[0], inverting);
+    for (double factor : {100.0, 20.0, 4.0}) starts.push_back({std::min(factor * scene.band_hz, 0.9 * most)});
+    term.write = [found](Model& m, std::span<const double> v) {
+      for (const auto& one : found) write_poles(m, one, v[0]);
     };
     term.reads_base_blocks = true;
     // It belongs inside its section, and taking its blocks out is all there is to undo.

@@ -10,30 +10,14 @@ class PartValue final : public Effect {
                 .what = "a part of a block is off its value",
                 .experiment = "one end of the part lifted, and the part measured",
                 .places_a_round = 6}) {}
+  /// A section's capacitors, and op-amps, are effects of their own.
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.base_places()) {
-      const auto& parts = scene.model->at(at).parts;
-      for (std::size_t k = 0; parts && k < parts->size(); ++k) out.push_back(with_part(scene, at, k));
+      const chain::Block& block = scene.model->at(at);
+      for (std::size_t k = 0; block.parts && block.section_order() == 0 && k < block.parts->size(); ++k) {
+        if ((*block.parts)[k].noise_gain.empty()) out.push_back(change_part(scene, *this, at, k));
+      }
     }
-  }
-
- private:
-  Proposal with_part(const Scene& scene, std::size_t at, std::size_t which) const {
-    const int id = scene.model->id_at(at);
-    const chain::Block good = scene.model->at(at);
-    const chain::PartChange part = (*good.parts)[which];
-    const double most = part.most();
-    const double start = part.is_offset() ? part.tolerance : 2.0;
-    Term term;
-    term.effect = this;
-    term.placed = part.part + " inside block " + std::to_string(scene.model->base_number(at));
-    term.part = part.part;
-    term.unknowns = {linear_unknown(part.is_offset() ? "off_v" : "off_percent", -most, most, start)};
-    term.write = [id, good, part](Model& m, std::span<const double> v) {
-      m.block(id) = good.with(part, v[0]);
-    };
-    term.undo = [id, good](Model& m) { m.block(id) = good; };
-    return propose_term(*scene.model, std::move(term), {{start}});
   }
 };
 

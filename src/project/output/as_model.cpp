@@ -13,7 +13,7 @@
 #include "chain/sections_chain.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/plan_graph.hpp"
-#include "synthesis/circuit_file.hpp"
+#include "project/output/circuit_model.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -65,32 +65,6 @@ std::vector<Block> from_sections(const Node& node, ModelRequest&) {
 
 std::vector<Block> from_cascade(const Node& node, ModelRequest&) {
   return chain_of(Cascade::from_node(node)).blocks;
-}
-
-/// One section under one name: "Stage3" instead of "Stage31".
-std::vector<Block> blocks_of(const Section& section, const std::string& name) {
-  Sections one;
-  one.sections = {section};
-  std::vector<Block> out = chain_of(one, name).blocks;
-  for (Block& block : out) {
-    if (block.part.starts_with(name + "1")) block.part.erase(name.size(), 1);
-  }
-  return out;
-}
-
-/// The stages with the parts they have.
-std::vector<Block> from_circuit(const Node& node, ModelRequest&) {
-  std::vector<Block> out;
-  int number = 1;
-  for (const Node& stage : node.at("stages").items()) {
-    const Section section = synthesis::section_from_node(stage.at("realised"));
-    if (section.poles.empty() || section.poles.size() > 2)
-      stage.fail(
-          fmt::format("has {} poles, expected one or two: a ladder is no block", section.poles.size()));
-    const std::vector<Block> blocks = blocks_of(section, fmt::format("Stage{}", number++));
-    out.insert(out.end(), blocks.begin(), blocks.end());
-  }
-  return out;
 }
 
 Block lag_block(const std::string& kind, double seconds) {
@@ -146,14 +120,7 @@ std::vector<Block> from_plan(const Node& node, ModelRequest&) {
     const fpaa::PlanGraph::PlanNode& cam = graph.nodes[*at];
     if (cam.inputs.size() != 1)
       node.fail(fmt::format("is no chain: {} takes {} inputs, expected one", cam.name, cam.inputs.size()));
-    const Section section = section_of(*cam.cam);
-    std::vector<Block> blocks;
-    if (section.poles.empty()) {
-      blocks = {make_block("gain").set("gain", section.gain)};
-      blocks.front().part = cam.cam->name;
-    } else {
-      blocks = blocks_of(section, cam.cam->name);
-    }
+    const std::vector<Block> blocks = stage_blocks(section_of(*cam.cam), cam.cam->name);
     out.insert(out.begin(), blocks.begin(), blocks.end());
     at = cam.inputs.front().from.node;
   }
@@ -163,11 +130,12 @@ std::vector<Block> from_plan(const Node& node, ModelRequest&) {
 using Reader = std::vector<Block> (*)(const Node&, ModelRequest&);
 
 const std::map<std::string, Reader>& readers() {
-  static const std::map<std::string, Reader> all = {{"bodesmith.sections/1", from_sections},
-                                                    {"bodesmith.cascade/1", from_cascade},
-                                                    {"bodesmith.circuit/1", from_circuit},
-                                                    {"bodesmith.fpaa_plan/1", from_plan},
-                                                    {"bodesmith.disturbance/1", from_disturbance}};
+  static const std::map<std::string, Reader> all = {
+      {"bodesmith.sections/1", from_sections},
+      {"bodesmith.cascade/1", from_cascade},
+      {"bodesmith.circuit/1", [](const Node& node, ModelRequest&) { return circuit_blocks(node); }},
+      {"bodesmith.fpaa_plan/1", from_plan},
+      {"bodesmith.disturbance/1", from_disturbance}};
   return all;
 }
 

@@ -88,17 +88,9 @@ std::vector<PartChange> part_changes(const Run& run, const Block& loop, Hertz op
     const Block below = with(-departure);
     values[i] = 0.0;
     const double unit = volts ? 1.0 : 100.0;
-    PartChange one{cause.name.substr(0, cause.name.find(", tolerance")),
-                   volts ? "v" : "percent",
-                   unit * cause.departure.limit(),
-                   {}};
-    for (std::size_t k = 0; k < loop.parameters().size(); ++k) {
-      const chain::Parameter& at = loop.parameters()[k];
-      const double up = above.parameters()[k].value - at.value;
-      const double down = below.parameters()[k].value - at.value;
-      if (std::max(std::abs(up), std::abs(down)) > kNothing * (1.0 + std::abs(at.value)))
-        one.add(at.name(), unit * departure, up, down);
-    }
+    PartChange one{cause.name.substr(0, cause.name.find(", tolerance")), volts ? "v" : "percent",
+                   unit * cause.departure.limit()};
+    one.add_differences(loop, unit * departure, above, below, kNothing);
     if (!one.entries.empty()) out.push_back(std::move(one));
   }
   return out;

@@ -1,0 +1,189 @@
+#include "project/output/circuit_model.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <string>
+
+#include "chain/opamp_poles.hpp"
+#include "chain/registry.hpp"
+#include "chain/sections_chain.hpp"
+#include "lti/section_making.hpp"
+#include "schematic/analysis/equations.hpp"
+#include "schematic/analysis/response.hpp"
+#include "synthesis/circuit_file.hpp"
+#include "synthesis/realisation.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+using chain::Block;
+using chain::make_block;
+using chain::PartChange;
+using Complex = std::complex<double>;
+
+/// A stage of two poles, whatever they are, is one block: its parts move all of it.
+Block biquad_block(const synthesis::Biquad& h) {
+  const double w = std::sqrt(h.a0 / h.a2);
+  return make_block("biquad")
+      .set("lowpass_gain", h.b0 / h.a0 + 0.0)
+      .set("bandpass_gain", h.b1 * w / h.a0 + 0.0)
+      .set("highpass_gain", h.b2 / h.a2 + 0.0)
+      .set("natural_frequency_hz", RadPerSecond{w}.hz().value)
+      .set("damping_ratio", 0.5 * h.a1 / std::sqrt(h.a0 * h.a2));
+}
+
+/// Relative departure at which what a capacitor does is worked out; the form that it has goes far beyond.
+constexpr double kCapacitorDeparture = 0.05;
+/// A good capacitor, percent: the usual grade.
+constexpr double kCapacitorPercent = 5.0;
+/// Of the parameter: less is rounding.
+constexpr double kNoChange = 1e-9;
+
+/// What the capacitors of a stage do to the last of its blocks.
+void add_capacitors(const synthesis::Circuit& circuit, const synthesis::Stage& stage, const Block& block,
+                    std::vector<PartChange>& out) {
+  std::vector<double> values = circuit.realised_values(stage);
+  for (std::size_t i = 0; i < stage.part_count; ++i) {
+    const synthesis::Part& part = circuit.parts_of(stage)[i];
+    if (part.kind != synthesis::Part::Kind::capacitor) continue;
+    const auto with = [&](double departure) {
+      values[i] = part.realised * (1.0 + departure);
+      return stage_blocks(stage.form->transfer(values).section(), block.part).back();
+    };
+    const Block above = with(kCapacitorDeparture);
+    const Block below = with(-kCapacitorDeparture);
+    values[i] = part.realised;
+    PartChange one{part.name, "percent", kCapacitorPercent};
+    one.add_differences(block, 100.0 * kCapacitorDeparture, above, below, kNoChange);
+    if (!one.entries.empty()) out.push_back(std::move(one));
+  }
+}
+
+/// Whether something passes the circuit, of ideal op-amps, at its stage's corner when this one is dead.
+bool has_way_round(synthesis::Circuit circuit, std::size_t opamp, Hertz corner) {
+  const auto response = [&] { return std::abs(schematic::network_response(circuit, {corner}).front()); };
+  const double alive = response();
+  circuit.fast_opamp = circuit.opamp;
+  circuit.fast_opamp.dc_gain = 1.0 / circuit.opamp.dc_gain;
+  circuit.opamps[opamp].fast = true;
+  return response() > kNoChange * alive;
+}
+
+/// 1/beta of each op-amp of a stage, by the return ratio with all op-amps ideal. Those with a way round them are left out: a
+/// section's zeros move with them.
+void add_opamps(const synthesis::Circuit& circuit, std::size_t stage, const Block& block,
+                std::vector<PartChange>& out) {
+  const schematic::Equations equations(circuit);
+  const std::string_view key = chain::corner_of(block);
+  const bool two = block.has("damping_ratio");
+  const double p1 = two ? 2.0 * block.get("damping_ratio") : key.empty() ? 0.0 : 1.0;
+  // Of a gain any frequency will do.
+  const Hertz corner{key.empty() ? 1.0 : block.get(key)};
+  for (std::size_t i = 0; i < circuit.opamps.size(); ++i) {
+    if (circuit.opamps[i].group != stage || has_way_round(circuit, i, corner)) continue;
+    const auto numerator = [&](double u) {
+      const RadPerSecond at = Hertz{u * corner.value}.rad_s();
+      return Complex(two ? 1.0 - u * u : 1.0, p1 * u) * circuit.opamp.open_loop(at) /
+             schematic::return_ratio(equations, circuit, i, at);
+    };
+    // Three numbers from two frequencies: real parts d0 - d2 u^2, imaginary ones d1 u.
+    const Complex low = numerator(0.5);
+    const Complex high = numerator(2.0);
+    const double d2 = two ? (low.real() - high.real()) / 3.75 : 0.0;
+    PartChange one{.part = circuit.opamps[i].name};
+    one.noise_gain = {low.real() + 0.25 * d2, 0.5 * high.imag(), d2};
+    out.push_back(std::move(one));
+  }
+}
+
+/// The stage's blocks with its op-amps as fast as they are: its own poles move, and there is one more.
+void make_real(const synthesis::OpAmpModel& opamp, const std::string& name, std::vector<Block>& blocks) {
+  Block& section = blocks.back();
+  Block more = make_block("lowpass");
+  more.part = name + "_opamps";
+  auto parts = std::make_shared<std::vector<PartChange>>(*section.parts);
+  std::vector<double> sum(3, 0.0);
+  for (PartChange& part : *parts) {
+    if (part.noise_gain.empty()) continue;
+    part.gain_bandwidth_hz = opamp.gain_bandwidth.value;
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += part.noise_gain[k];
+  }
+  section.parts = std::move(parts);
+  if (sum == std::vector<double>(3, 0.0)) return;
+  const chain::OpampPoles poles = chain::opamp_poles(section, sum, 1.0 / opamp.gain_bandwidth.value);
+  const std::string corner(chain::corner_of(section));
+  const double up = corner.empty() ? 1.0 : poles.natural_frequency_hz / section.get(corner);
+  if (corner.empty()) {
+    more.set("corner_hz", poles.last->value);
+  } else if (poles.last) {
+    section.set("bandpass_gain", section.get("bandpass_gain") * up)
+        .set("highpass_gain", section.get("highpass_gain") * up * up)
+        .set(corner, poles.natural_frequency_hz)
+        .set("damping_ratio", poles.damping_ratio);
+    more.set("corner_hz", poles.last->value);
+  } else {
+    // Far apart: an op-amp that is no faster than its section is not this one's.
+    if (poles.damping_ratio <= 1.0) return;
+    const double apart = poles.damping_ratio + std::sqrt(poles.damping_ratio * poles.damping_ratio - 1.0);
+    // A high-pass keeps its slope below the corner, the others their gain at 0 Hz.
+    if (section.type_name() == "highpass") section.set("gain", section.get("gain") * up / apart);
+    section.set(corner, poles.natural_frequency_hz / apart);
+    more.set("corner_hz", poles.natural_frequency_hz * apart);
+  }
+  blocks.push_back(std::move(more));
+}
+
+}  // namespace
+
+std::vector<Block> stage_blocks(const Section& section, const std::string& name) {
+  std::vector<Block> out;
+  if (section.poles.empty()) {
+    out = {make_block("gain").set("gain", section.gain)};
+  } else if (section.poles.size() > 2) {
+    return chain::chain_of(make_sections(section.gain, section.zeros, section.poles), name + "_").blocks;
+  } else if (section.poles.size() == 2 && std::abs(section.poles[0]) > 0.0 &&
+             std::abs(section.poles[1]) > 0.0) {
+    out = {biquad_block(synthesis::Biquad::from_section(section))};
+  } else {
+    Sections one;
+    one.sections = {section};
+    out = chain::chain_of(one, name).blocks;
+    if (out.size() == 2 && out[0].affine() && out[1].has("gain")) {
+      out[1].set("gain", out[0].get("gain") * out[1].get("gain"));
+      out.erase(out.begin());
+    }
+    for (Block& block : out) {
+      if (block.part.starts_with(name + "1")) block.part.erase(name.size(), 1);
+    }
+    return out;
+  }
+  out.front().part = name;
+  return out;
+}
+
+std::vector<Block> circuit_blocks(const Node& node) {
+  synthesis::Circuit circuit = synthesis::CircuitFile::from_node(node).circuit;
+  const synthesis::OpAmpModel opamp = circuit.opamp;
+  circuit.opamp = synthesis::OpAmpModel::ideal();
+  std::vector<Block> out;
+  for (std::size_t i = 0; i < circuit.stages.size(); ++i) {
+    const synthesis::Stage& stage = circuit.stages[i];
+    const std::string name = fmt::format("Stage{}", i + 1);
+    std::vector<Block> blocks =
+        stage_blocks(synthesis::section_from_node(node.at("stages")[i].at("realised")), name);
+    if (stage.form) {
+      auto parts = std::make_shared<std::vector<PartChange>>();
+      add_capacitors(circuit, stage, blocks.back(), *parts);
+      add_opamps(circuit, i, blocks.back(), *parts);
+      blocks.back().parts = std::move(parts);
+    }
+    if (stage.form && !opamp.is_ideal) make_real(opamp, name, blocks);
+    out.insert(out.end(), blocks.begin(), blocks.end());
+  }
+  return out;
+}
+
+}  // namespace bodesmith::project

@@ -79,7 +79,9 @@ def with_fault(rng, netlist, fault, corner):
     gbw = corner * rng.uniform(15, 60)
     body = netlist[netlist.index(".subckt bodesmith_opamp"):netlist.index(".ends bodesmith_opamp")]
     slow = body.replace("bodesmith_opamp", "slow_opamp")
-    slow = re.sub(r"Cx x 0 \S+", f"Cx x 0 {1e-9 * 1e7 / gbw:.6g}", slow) + ".ends slow_opamp"
+    # A smaller slope of the input, a greater resistor: the DC gain and the slew rate stay.
+    slow = re.sub(r"tanh\(([\d.]+)\*", lambda m: f"tanh({float(m.group(1)) * gbw / 1e7:.9g}*", slow)
+    slow = re.sub(r"Rx x 0 (\S+)", lambda m: f"Rx x 0 {float(m.group(1)) * 1e7 / gbw:.9g}", slow) + ".ends slow_opamp"
     lines[at] = lines[at].replace("bodesmith_opamp", "slow_opamp")
     return "\n".join(lines) + "\n" + slow + "\n", stage, f"{lines[at].split()[0]} at {gbw:.4g} Hz"
 

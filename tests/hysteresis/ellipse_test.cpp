@@ -38,6 +38,27 @@ TEST(Ellipse, IdentifiesTheSurfacesAndFollowsThem) {
   EXPECT_LT(testing::errors_of(found, {&record, 1}, 0.2).rms_percent, 0.3);
 }
 
+/// Nodes over the amplitudes where they differ, in any unit; what is skipped counts for nothing.
+TEST(Ellipse, NodesAreThoseOfTheRecordsAmplitudes) {
+  for (const double unit : {1.0, 1e-3}) {
+    for (const bool several : {false, true}) {
+      std::vector<TimeRecord> records;
+      for (const double a : several ? std::vector{10.0, 30.0, 60.0} : std::vector{30.0}) {
+        records.push_back(ellipse_record(a, 10.0, 1.0 / 4000, 6.2));
+        for (double& u : records.back().u) u *= unit;
+        for (std::size_t i = 0; i < 500; ++i) records.back().y[i] += 40.0;
+      }
+      IdentifyOptions options;
+      options.skip_s = 0.15;
+      const Identified found = model_type_registry().get("ellipse").identify(records, options);
+      const Ellipse model = Ellipse::from(found.model.parameters);
+      EXPECT_EQ(model.u_a.size() > 1, several) << unit;
+      EXPECT_NEAR(model.at(30.0 * unit, 10.0).gain * unit, 0.4 + 0.06 - 0.03, 1e-3) << several;
+      EXPECT_NEAR(model.u_0, 75.0 * unit, 1e-3 * unit);
+    }
+  }
+}
+
 TEST(Ellipse, CoefficientsAreEquation5) {
   Parameters values;
   values.set("u_0", 75.0)

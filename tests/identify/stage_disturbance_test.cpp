@@ -116,6 +116,22 @@ TEST(StageDisturbance, TwoRecordsOfAFrequencyAreOneGainTheirMean) {
   EXPECT_NEAR(found.disturbance.rate.descending[3], 1.04, 2e-3);
 }
 
+// A controller takes one stroke for all frequencies: half a percent is told, less is not.
+TEST(StageDisturbance, AStrokeThatChangesWithTheFrequencyIsSaid) {
+  const DrawnStage stage;
+  for (const double more : {0.002, 0.01}) {
+    std::vector<TimeRecord> records = records_of(stage);
+    for (double& y : records.back().y) y = stage.offset + (1.0 + more) * (y - stage.offset);
+    const std::vector<std::string> notes = identify_disturbance(records).notes;
+    const auto said = [&](const std::string& begin) {
+      return std::any_of(notes.begin(), notes.end(),
+                         [&](const std::string& one) { return one.starts_with(begin); });
+    };
+    EXPECT_EQ(said("the stroke at"), more > 0.005);
+    EXPECT_EQ(said("the stroke at 100 Hz is 1.01 times that at 1 Hz"), more > 0.005);
+  }
+}
+
 TEST(StageDisturbance, TellsLagAndNoiseFromTheLoop) {
   DrawnStage stage;
   stage.noise = 0.002;

@@ -78,6 +78,11 @@ TEST(RecordFindings, SayTransientsDelaysAndSingleFrequencies) {
   const RecordFindings nothing = find_in_records({&clean, 1}, {}, true);
   EXPECT_EQ(nothing.transient_s, 0.0);
   EXPECT_EQ(nothing.delay_s, 0.0);
+  EXPECT_TRUE(nothing.notes.empty());
+  // What comes back later is the model's error, not the start's.
+  TimeRecord again = disturbed_record(3.0, 0.0);
+  for (std::size_t i = 3000; i < 3400; ++i) again.y[i] += 3.0;
+  EXPECT_EQ(find_in_records({&again, 1}, {}, false).transient_s, 0.0);
   EXPECT_FALSE(nothing.frequency_hz.has_value());
   const TimeRecord drifting = disturbed_record(3.0, 3.2e-3);
   const RecordFindings found = find_in_records({&drifting, 1}, {}, true);

@@ -22,6 +22,16 @@ TEST(FractionalTransfer, PidIsTheSumOfItsParts) {
   EXPECT_NEAR(fractional_stability(pid.denominator).powers_of_s, 0.7, 1e-12);
 }
 
+TEST(FractionalTransfer, EqualPowersAreAddedAndWhatIsNothingIsLeftOut) {
+  const FractionalPolynomial sum =
+      collect_powers({{2.0, 0.7}, {1.0, 0.0}, {3.0, 1.4}, {0.5, 0.7}, {-3.0, 1.4}, {0.25, 0.0}});
+  ASSERT_EQ(sum.size(), 2u);
+  EXPECT_EQ(sum[0].coefficient, 1.25);
+  EXPECT_EQ(sum[0].power, 0.0);
+  EXPECT_EQ(sum[1].coefficient, 2.5);
+  EXPECT_EQ(sum[1].power, 0.7);
+}
+
 TEST(FractionalTransfer, KnownStability) {
   // s^a + 1 has no zero on the principal sheet for a < 2 in Re s > 0, two beyond.
   EXPECT_EQ(fractional_stability({{1.0, 1.9}, {1.0, 0.0}}).unstable_poles, 0);

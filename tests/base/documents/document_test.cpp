@@ -46,6 +46,23 @@ TEST(Document, BrokenJsonNamesTheLine) {
   EXPECT_NE(error_of([] { parse_json("{\"a\": 1e999}", "x.json"); }), "no error");
 }
 
+// Dots of a key nest; those of texts and comments do not.
+TEST(Document, KeysOfVeryManyDotsAreRefusedAndTextsWithThemAreNot) {
+  std::string dots;
+  for (int i = 0; i < 300; ++i) dots += "a.";
+  EXPECT_NE(error_of([&] { parse_toml("x = 1\n" + dots + "b = 1\n", "x.toml"); }).find("x.toml:2"),
+            std::string::npos);
+  const std::vector<std::string> texts = {"x = \"" + dots + "\"\n",
+                                          "x = '" + dots + "'\n",
+                                          "x = \"\"\"\n" + dots + "\n" + dots + "\"\"\"\n",
+                                          "x = '''" + dots + "\n'''\n",
+                                          "# " + dots + "\nx = 1\n",
+                                          "x = \"q\\\"" + dots + "\"\n"};
+  for (const std::string& text : texts)
+    EXPECT_EQ(error_of([&] { parse_toml(text + "[t]\ny = 2\n", "x.toml"); }), "no error")
+        << text.substr(0, 12);
+}
+
 TEST(Document, OtherEncodingsAreToldByName) {
   const auto answer = [](std::string_view bytes) -> std::string {
     try {

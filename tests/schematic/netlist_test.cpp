@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "numeric/random.hpp"
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/analysis/rest_point.hpp"
@@ -182,6 +183,54 @@ TEST(RestPoint, OfDividersOpAmpsMultipliersAndSources) {
   EXPECT_NEAR(built.volts("a2"), a, 1e-12);
   EXPECT_NEAR(std::abs(built.volts("out") + 2.0 * a), 3e-3, 1e-9);
   EXPECT_NEAR(built.volts("w"), (a + 0.01) * (0.4 - 0.02) / (2.0 * 1.05) + built.volts("out") + 0.003, 1e-12);
+}
+
+/// An op-amp whose feedback comes through an inverter: their outputs are one block.
+TEST(RestPoint, OpAmpsInOneLoopAreSettledTogether) {
+  Netlist n;
+  n.parts = {ohms("R1", "in", "p", 1e3), ohms("R2", "p", "y", 4e3), ohms("Ra", "x", "k", 2e3),
+             ohms("Rb", "k", "y", 5e3)};
+  n.opamps = {{"U1", "", 0, "p", "0", "x"}, {"U2", "", 0, "0", "k", "y"}};
+  const RestOrder order(n, {"in"});
+  RestPoint rest(order, Deviations::none(n));
+  rest.set(order.node("in"), 0.7);
+  rest.settle(0);
+  EXPECT_NEAR(rest.volts("y"), -4.0 * 0.7, 1e-12);
+  EXPECT_NEAR(rest.volts("x"), 4.0 * 0.7 * 2.0 / 5.0, 1e-12);
+  EXPECT_NEAR(std::abs(rest.noise_gain(0)), 5.0 * 2.0 / 5.0, 1e-9);
+  EXPECT_NEAR(rest.noise_gain(1), 0.0, 1e-9);
+  // What another copy of the same order knows is taken over where it is the same, and nowhere else.
+  for (const std::size_t part : {0u, 2u}) {
+    Deviations off = Deviations::none(n);
+    off.part[part] = 0.3;
+    RestPoint alone(order, off), like(order, off, &rest);
+    for (RestPoint* one : {&alone, &like}) {
+      one->set(order.node("in"), 0.7);
+      one->settle(0);
+    }
+    for (const char* node : {"x", "y", "p", "k"}) EXPECT_NEAR(like.volts(node), alone.volts(node), 1e-13);
+    EXPECT_NE(alone.volts("x"), rest.volts("x"));
+  }
+}
+
+TEST(RestPoint, ContactsOfAnotherResistanceAreSolvedAnew) {
+  Netlist n;
+  n.parts = {ohms("R1", "c", "0", 1e3), ohms("R2", "d", "0", 1e3)};
+  n.contacts = {{"S1", 0, "in", "c", "up", 0}, {"S2", 0, "in", "d", "down", 1}};
+  n.analog_switch.on_ohm = 100.0;
+  const RestOrder order(n, {"in"});
+  RestPoint plain(order, Deviations::none(n));
+  plain.set(order.node("in"), 1.0);
+  plain.settle(0);
+  EXPECT_NEAR(plain.volts("c"), 1.0 / 1.1, 1e-6);
+  Deviations off = Deviations::none(n);
+  off.switch_relative = 1.0;
+  RestPoint other(order, off, &plain);
+  other.set(order.node("in"), 1.0);
+  other.settle(0);
+  EXPECT_NEAR(other.volts("c"), 1.0 / 1.2, 1e-6);
+  other.settle(1);
+  EXPECT_NEAR(other.volts("d"), 1.0 / 1.2, 1e-6);
 }
 
 TEST(RestPoint, DiodesConductOneWayAndContactsWhereTheyStand) {
@@ -365,6 +414,61 @@ TEST(Deviations, OfAPartOfANetlistGoByName) {
   }
   EXPECT_EQ(got.opamp_offset_v, (std::vector{off.opamp_offset_v[1], off.opamp_offset_v[0]}));
   EXPECT_EQ(got.source, off.source);
+}
+
+/// Whatever the elements are, moving contacts and levels too: a slope that is stated is the difference quotient of what is added.
+TEST(Equations, SlopesAreThoseOfWhatIsAdded) {
+  for (const bool switching : {false, true}) {
+    Netlist n = of_everything();
+    n.comparators[0].gain = 3.0;
+    const Equations equations(n, {.switching = switching});
+    const auto size = static_cast<std::size_t>(equations.unknowns());
+    const double level = SwitchTimer::of(n.analog_switch).level;
+    Random random(switching ? 5 : 6);
+    std::size_t met = 0;
+    for (int draw = 0; draw < 300; ++draw) {
+      std::vector<double> x(size);
+      // Timers of contacts act within a four-hundredth of their level.
+      for (double& one : x)
+        one = random.uniform() < 0.5 ? level + (2.4 * random.uniform() - 1.2) / 400.0
+                                     : 0.8 * random.uniform() - 0.4;
+      const double input = random.uniform() - 0.5;
+      const auto at = [&](std::size_t column, double by) {
+        std::vector<double> moved = x, f(size, 0.0), q(size, 0.0);
+        moved[column] += by;
+        std::vector<Stamps::Slope> slopes;
+        equations.evaluate({moved, input, {}}, f, q, slopes);
+        f.insert(f.end(), q.begin(), q.end());
+        return f;
+      };
+      std::vector<double> f(size, 0.0), q(size, 0.0);
+      std::vector<Stamps::Slope> slopes;
+      equations.evaluate({x, input, {}}, f, q, slopes);
+      f.insert(f.end(), q.begin(), q.end());
+      for (std::size_t column = 0; column < size; ++column) {
+        std::vector<double> stated(2 * size, 0.0), scale(2 * size, 0.0);
+        for (const Stamps::Slope& one : slopes) {
+          if (one.column != static_cast<int>(column)) continue;
+          stated[static_cast<std::size_t>(one.row)] += one.f;
+          stated[static_cast<std::size_t>(one.row) + size] += one.q;
+          scale[static_cast<std::size_t>(one.row)] += std::abs(one.f);
+          scale[static_cast<std::size_t>(one.row) + size] += std::abs(one.q);
+        }
+        constexpr double kStep = 1e-6;
+        const std::vector<double> up = at(column, kStep), down = at(column, -kStep);
+        for (std::size_t row = 0; row < 2 * size; ++row) {
+          const double right = (up[row] - f[row]) / kStep, left = (f[row] - down[row]) / kStep;
+          const double rounding = 1e-9 * std::abs(f[row]) + 1e-30;
+          if (std::abs(right - left) > 1e-3 * (std::abs(right) + std::abs(left)) + rounding)
+            continue;  // a corner
+          EXPECT_NEAR(stated[row], 0.5 * (right + left), 1e-4 * scale[row] + rounding)
+              << row << " by " << column;
+          met += stated[row] != 0.0 ? 1U : 0U;
+        }
+      }
+    }
+    EXPECT_GT(met, 3000u);
+  }
 }
 
 TEST(Netlists, GroupsAreSortedWithTheirElements) {

@@ -1,6 +1,7 @@
 // What every kernel of a kind keeps, whatever the block: slopes are derivatives, rest is rest, a look ahead changes nothing.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -40,6 +41,27 @@ std::vector<double> rates(const OdeKernel& kernel, const List& x, double u) {
     out.push_back(sum);
   }
   return out;
+}
+
+/// Curves without memory make of the input found what was wanted, either side of 0; what no input gives is told.
+TEST(KernelLaws, InversesOfCurvesGiveWhatWasWanted) {
+  const WantedOutput wanted{0.0, 0.01, {-0.7, -0.2, 0.0, 0.1, 0.45, 0.9}};
+  for (const Block& block : {make_block("dead_zone").set("width", 0.3),
+                             make_block("saturation").set("lower", -0.5).set("upper", 0.6),
+                             make_block("polynomial").set("coefficients", List{0.1, -1.0, 0.05, -0.03}),
+                             make_block("multiplier").set("scale_v", 0.4).set("x_offset_v", -0.2)}) {
+    const Kernel kernel = block.kernel();
+    const auto* const curve = std::get_if<std::unique_ptr<CurveKernel>>(&kernel);
+    ASSERT_NE(curve, nullptr) << block.type_name();
+    const auto found = block.inverse(wanted);
+    ASSERT_TRUE(found) << block.type_name();
+    for (std::size_t i = 0; i < wanted.values.size(); ++i) {
+      const double off = (*curve)->value(found->values[i]) - wanted.values[i];
+      const bool told =
+          std::find(found->out_of_reach.begin(), found->out_of_reach.end(), i) != found->out_of_reach.end();
+      EXPECT_EQ(std::abs(off) > 1e-9, told) << block.type_name() << " " << wanted.values[i] << " " << off;
+    }
+  }
 }
 
 TEST(KernelLaws, GradientsOfDynamicsAreDifferences) {

@@ -181,6 +181,13 @@ TEST(Discretise, TheErrorToldIsTheLargestThereIs) {
     }
     EXPECT_NEAR(filter.error.max_magnitude_db, decibel, 1e-9);
     EXPECT_GT(decibel, 0.1);
+    // A delay is none of the filter's errors.
+    Sections late = two_sections();
+    late.delay_s = 2e-3;
+    DiscretiseOptions options;
+    options.method = method;
+    options.sample_hz = 8000.0;
+    EXPECT_NEAR(discretise(late, options).error.max_phase_deg, filter.error.max_phase_deg, 1e-9);
     // Ten times the rate: about a hundredth of the error within a fixed band.
     const double fine = std::abs(digital(method, 80000.0).response(Hertz{300.0}) /
                                      two_sections().response(Hertz{300.0}.rad_s()) -

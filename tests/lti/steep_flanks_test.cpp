@@ -82,6 +82,17 @@ TEST(SteepFlanks, TheErrorIsTheLeastOfAllShifts) {
   EXPECT_GT(steep, 5);
 }
 
+TEST(SteepFlanks, WhatIsFarBelowTheLargestIsNotJudged) {
+  const std::vector<Hertz> grid = log_grid({Hertz{1.0}, Hertz{10.0}}, 5);
+  for (const double scale : {1.0, 1e-6, 1e6}) {
+    const std::vector<double> sizes = {0.3, 1.0, 1.01 * kJudgedFloor, 0.99 * kJudgedFloor, 0.0};
+    std::vector<Complex> wanted;
+    for (const double size : sizes) wanted.push_back(std::polar(scale * size, size));
+    const FlankedCurve curve(grid, wanted);
+    for (std::size_t i = 0; i < sizes.size(); ++i) EXPECT_EQ(curve.is_judged(i), i < 3) << i << " " << scale;
+  }
+}
+
 TEST(SteepFlanks, WhereACurveIsFlatTheErrorIsTheDifference) {
   const std::vector<Hertz> grid = log_grid({Hertz{10.0}, Hertz{1000.0}}, 40);
   std::vector<Complex> wanted;

@@ -5,7 +5,7 @@ Each case designs a filter (`design`, or `fit --direct` to a drawn curve), build
 (`model circuit.json`) and hides one fault in the netlist: a capacitor off, an op-amp a few times too slow, the input held by a clock. A
 quarter of the cases is a controlled stage instead (polynomial branches and a filter behind them, simulated here): a branch switch that
 is late, a multiplier's scale. ngspice runs the netlist; white noise is added, the fault's trace 5 to 40 times as large. `diagnose` is
-asked by records of time.
+asked by records of time. (`--faults none`: controls.)
 
     bench/designed_chains.py --program build/bin/bodesmith --cases 100 --seed 1 --work DIR
 """
@@ -67,8 +67,10 @@ def with_fault(rng, netlist, fault, corner):
             places.append((k, stage))
         if line.startswith(".ends"):
             stage = None
-    if fault == "sample_hold" or not places:
-        return None if fault != "sample_hold" else (netlist, None, None)
+    if fault in ("sample_hold", "none"):
+        return netlist, None, None
+    if not places:
+        return None
     at, stage = rng.choice(places)
     if fault == "capacitor_mismatch":
         words = lines[at].split()
@@ -175,7 +177,7 @@ def make(rng, program, folder, fault):
             u = (u - u.min()) / (u.max() - u.min()) * .95
             u = np.concatenate([u[0] * np.linspace(0, 1, 60), u])
         y, good = run(u, step, 1), run(u, step, 0)
-        sigma = sigma or math.sqrt(np.mean((y - good) ** 2)) / times
+        sigma = sigma or (math.sqrt(np.mean((y - good) ** 2)) if fault != "none" else .05 * np.std(y)) / times
         y = y + sigma * np.array([rng.gauss(0, 1) for _ in y])
         with open(f"{folder}/{name}.csv", "w") as out:
             out.write("time_s,u,y\n" + "".join(f"{i * step:.12g},{a:.10g},{b:.10g}\n" for i, (a, b) in enumerate(zip(u, y))))
@@ -206,6 +208,8 @@ def main():
         for s in d["steps"]:
             where = re.search(r"block (\d+)", s["placed"])
             said.append((s["effect"], s["tied_with"], names[int(where.group(1)) - 1] if where and names else s["placed"], round(s["probability"], 2)))
+        if fault == "none":  # nothing may be named
+            said, fault = [("none", [], "Stage", 1.0)] if not said else said, "none"
         right = [s for s in said if s[0] == fault]
         placed = bool(right) and (truth["stage"] is None or right[0][2].startswith(f"Stage{truth['stage']}"))
         tied = any(fault in s[1] for s in said)

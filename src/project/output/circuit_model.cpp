@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <cmath>
 #include <complex>
 #include <memory>
@@ -10,7 +11,9 @@
 #include "chain/opamp_poles.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
+#include "lti/frequency_grid.hpp"
 #include "lti/section_making.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "schematic/analysis/equations.hpp"
 #include "schematic/analysis/response.hpp"
 #include "synthesis/circuit_file.hpp"
@@ -99,11 +102,56 @@ void add_opamps(const synthesis::Circuit& circuit, std::size_t stage, const Bloc
   }
 }
 
+/// A biquad's response with the op-amps of its stage real, over that with all of them ideal.
+std::vector<Complex> opamps_share(synthesis::Circuit circuit, const synthesis::OpAmpModel& opamp,
+                                  std::size_t stage, const std::vector<Hertz>& grid) {
+  std::vector<Complex> out = schematic::network_response(circuit, grid);
+  circuit.fast_opamp = opamp;
+  for (synthesis::OpAmp& one : circuit.opamps) one.fast = one.group == stage;
+  const std::vector<Complex> real = schematic::network_response(circuit, grid);
+  for (std::size_t i = 0; i < grid.size(); ++i) out[i] = real[i] / out[i];
+  return out;
+}
+
+/// How far beyond its corner on both sides a section is compared; real poles further apart are not within.
+constexpr double kCompared = 8.0;
+
+/// The biquad B/A that with the pole behind it is nearest to what the stage does, relatively, round its corner: least squares of
+/// B - A G, G that response over the pole's, weighted by what they are with ideal op-amps (Levy 1959).
+void fit_biquad(Block& section, const std::vector<Hertz>& grid, const std::vector<Complex>& share,
+                double pole_hz) {
+  const double corner = section.get("natural_frequency_hz");
+  Eigen::MatrixXd m(2 * static_cast<Eigen::Index>(grid.size()), 5);
+  Eigen::VectorXd right(m.rows());
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const Complex s(0.0, grid[i].value / corner);
+    const Complex h = *section.response(grid[i].rad_s());
+    const Complex g = h * share[i] * Complex(1.0, grid[i].value / pole_hz);
+    const double weight = 1.0 / (std::abs(h) * std::abs(1.0 + s * (2.0 * section.get("damping_ratio") + s)));
+    const Complex row[6] = {1.0, s, s * s, -g * s, -g * s * s, g};
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      for (Eigen::Index part = 0; part < 2; ++part) {
+        double& to = k < 5 ? m(2 * static_cast<Eigen::Index>(i) + part, k)
+                           : right(2 * static_cast<Eigen::Index>(i) + part);
+        to = weight * (part == 0 ? row[k].real() : row[k].imag());
+      }
+    }
+  }
+  const Eigen::VectorXd x = solve_ldlt(m.transpose() * m, m.transpose() * right);
+  const double up = 1.0 / std::sqrt(x(4));
+  section.set("lowpass_gain", x(0))
+      .set("bandpass_gain", x(1) * up)
+      .set("highpass_gain", x(2) * up * up)
+      .set("natural_frequency_hz", corner * up)
+      .set("damping_ratio", 0.5 * x(3) * up);
+}
+
 /// The stage's blocks with its op-amps as fast as they are: its own poles move, and there is one more.
-void make_real(const synthesis::OpAmpModel& opamp, const std::string& name, std::vector<Block>& blocks) {
+void make_real(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opamp, std::size_t stage,
+               std::vector<Block>& blocks) {
   Block& section = blocks.back();
   Block more = make_block("lowpass");
-  more.part = name + "_opamps";
+  more.part = section.part + "_opamps";
   auto parts = std::make_shared<std::vector<PartChange>>(*section.parts);
   std::vector<double> sum(3, 0.0);
   for (PartChange& part : *parts) {
@@ -115,22 +163,30 @@ void make_real(const synthesis::OpAmpModel& opamp, const std::string& name, std:
   if (sum == std::vector<double>(3, 0.0)) return;
   const chain::OpampPoles poles = chain::opamp_poles(section, sum, 1.0 / opamp.gain_bandwidth.value);
   const std::string corner(chain::corner_of(section));
-  const double up = corner.empty() ? 1.0 : poles.natural_frequency_hz / section.get(corner);
   if (corner.empty()) {
     more.set("corner_hz", poles.last->value);
   } else if (poles.last) {
-    section.set("bandpass_gain", section.get("bandpass_gain") * up)
-        .set("highpass_gain", section.get("highpass_gain") * up * up)
-        .set(corner, poles.natural_frequency_hz)
-        .set("damping_ratio", poles.damping_ratio);
+    const double w = section.get(corner);
     more.set("corner_hz", poles.last->value);
+    if (2.0 * section.get("damping_ratio") <= kCompared + 1.0 / kCompared) {
+      const std::vector<Hertz> grid = log_grid({Hertz{w / kCompared}, Hertz{kCompared * w}}, 33);
+      fit_biquad(section, grid, opamps_share(ideal, opamp, stage, grid), poles.last->value);
+    } else {
+      const double up = poles.natural_frequency_hz / w;
+      section.set("bandpass_gain", section.get("bandpass_gain") * up)
+          .set("highpass_gain", section.get("highpass_gain") * up * up)
+          .set(corner, poles.natural_frequency_hz)
+          .set("damping_ratio", poles.damping_ratio);
+    }
   } else {
     // Far apart: an op-amp that is no faster than its section is not this one's.
     if (poles.damping_ratio <= 1.0) return;
     const double apart = poles.damping_ratio + std::sqrt(poles.damping_ratio * poles.damping_ratio - 1.0);
+    const double slow = poles.natural_frequency_hz / apart;
     // A high-pass keeps its slope below the corner, the others their gain at 0 Hz.
-    if (section.type_name() == "highpass") section.set("gain", section.get("gain") * up / apart);
-    section.set(corner, poles.natural_frequency_hz / apart);
+    if (section.type_name() == "highpass")
+      section.set("gain", section.get("gain") * slow / section.get(corner));
+    section.set(corner, slow);
     more.set("corner_hz", poles.natural_frequency_hz * apart);
   }
   blocks.push_back(std::move(more));
@@ -180,7 +236,7 @@ std::vector<Block> circuit_blocks(const Node& node) {
       add_opamps(circuit, i, blocks.back(), *parts);
       blocks.back().parts = std::move(parts);
     }
-    if (stage.form && !opamp.is_ideal) make_real(opamp, name, blocks);
+    if (stage.form && !opamp.is_ideal) make_real(circuit, opamp, i, blocks);
     out.insert(out.end(), blocks.begin(), blocks.end());
   }
   return out;

@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 Complex turning(double rate, double from, double length, double period) {
   const double half = 0.5 * rate * length;
   const double share = std::abs(half) < 1e-8 ? 1.0 : std::sin(half) / half;
-  return std::polar(length / period * share, rate * (from + 0.5 * length));
+  return length / period * share * std::polar(1.0, rate * (from + 0.5 * length));
 }
 
 /// (1/T) int y exp(-jmt) dt over both phases of a stage's period.

@@ -14,6 +14,7 @@
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 #include "project/output/circuit_model.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -133,7 +134,10 @@ const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all = {
       {"bodesmith.sections/1", from_sections},
       {"bodesmith.cascade/1", from_cascade},
-      {"bodesmith.circuit/1", [](const Node& node, ModelRequest&) { return circuit_blocks(node); }},
+      {"bodesmith.circuit/1",
+       [](const Node& node, ModelRequest&) {
+         return circuit_blocks(synthesis::CircuitFile::from_node(node).circuit);
+       }},
       {"bodesmith.fpaa_plan/1", from_plan},
       {"bodesmith.disturbance/1", from_disturbance}};
   return all;

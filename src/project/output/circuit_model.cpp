@@ -16,7 +16,6 @@
 #include "numeric/linear_algebra/dense.hpp"
 #include "schematic/analysis/equations.hpp"
 #include "schematic/analysis/response.hpp"
-#include "synthesis/circuit_file.hpp"
 #include "synthesis/realisation.hpp"
 
 namespace bodesmith::project {
@@ -44,26 +43,6 @@ constexpr double kCapacitorDeparture = 0.05;
 constexpr double kCapacitorPercent = 5.0;
 /// Of the parameter: less is rounding.
 constexpr double kNoChange = 1e-9;
-
-/// What the capacitors of a stage do to the last of its blocks.
-void add_capacitors(const synthesis::Circuit& circuit, const synthesis::Stage& stage, const Block& block,
-                    std::vector<PartChange>& out) {
-  std::vector<double> values = circuit.realised_values(stage);
-  for (std::size_t i = 0; i < stage.part_count; ++i) {
-    const synthesis::Part& part = circuit.parts_of(stage)[i];
-    if (part.kind != synthesis::Part::Kind::capacitor) continue;
-    const auto with = [&](double departure) {
-      values[i] = part.realised * (1.0 + departure);
-      return stage_blocks(stage.form->transfer(values).section(), block.part).back();
-    };
-    const Block above = with(kCapacitorDeparture);
-    const Block below = with(-kCapacitorDeparture);
-    values[i] = part.realised;
-    PartChange one{part.name, "percent", kCapacitorPercent};
-    one.add_differences(block, 100.0 * kCapacitorDeparture, above, below, kNoChange);
-    if (!one.entries.empty()) out.push_back(std::move(one));
-  }
-}
 
 /// Whether something passes the circuit, of ideal op-amps, at its stage's corner when this one is dead.
 bool has_way_round(synthesis::Circuit circuit, std::size_t opamp, Hertz corner) {
@@ -192,6 +171,55 @@ void make_real(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opa
   blocks.push_back(std::move(more));
 }
 
+/// One stage of a circuit whose op-amps are ideal, as they are with `opamp`; which of the blocks is its section.
+struct StageModel {
+  std::vector<Block> blocks;
+  std::size_t section = 0;
+};
+
+StageModel stage_model_of(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opamp,
+                          std::size_t i) {
+  const synthesis::Stage& stage = ideal.stages[i];
+  Section section{1.0, {}, {}};
+  for (const synthesis::Biquad& factor : stage.realised) {
+    const Section one = factor.section();
+    section.gain *= one.gain;
+    section.zeros.insert(section.zeros.end(), one.zeros.begin(), one.zeros.end());
+    section.poles.insert(section.poles.end(), one.poles.begin(), one.poles.end());
+  }
+  StageModel out{stage_blocks(section, fmt::format("Stage{}", i + 1))};
+  out.section = out.blocks.size() - 1;
+  if (!stage.form) return out;
+  auto parts = std::make_shared<std::vector<PartChange>>();
+  add_opamps(ideal, i, out.blocks.back(), *parts);
+  out.blocks.back().parts = std::move(parts);
+  if (!opamp.is_ideal) make_real(ideal, opamp, i, out.blocks);
+  return out;
+}
+
+/// What the capacitors of a stage do to its section.
+void add_capacitors(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opamp, std::size_t i,
+                    Block& section) {
+  const synthesis::Stage& stage = ideal.stages[i];
+  auto parts = std::make_shared<std::vector<PartChange>>();
+  for (std::size_t k = stage.first_part; k < stage.first_part + stage.part_count; ++k) {
+    if (ideal.parts[k].kind != synthesis::Part::Kind::capacitor) continue;
+    const auto with = [&](double departure) {
+      synthesis::Circuit off = ideal;
+      off.parts[k].realised *= 1.0 + departure;
+      off.stages[i].realised = {stage.form->transfer(off.realised_values(off.stages[i]))};
+      const StageModel model = stage_model_of(off, opamp, i);
+      return model.blocks[model.section];
+    };
+    PartChange one{ideal.parts[k].name, "percent", kCapacitorPercent};
+    one.add_differences(section, 100.0 * kCapacitorDeparture, with(kCapacitorDeparture),
+                        with(-kCapacitorDeparture), kNoChange);
+    if (!one.entries.empty()) parts->push_back(std::move(one));
+  }
+  parts->insert(parts->end(), section.parts->begin(), section.parts->end());
+  section.parts = std::move(parts);
+}
+
 }  // namespace
 
 std::vector<Block> stage_blocks(const Section& section, const std::string& name) {
@@ -220,24 +248,14 @@ std::vector<Block> stage_blocks(const Section& section, const std::string& name)
   return out;
 }
 
-std::vector<Block> circuit_blocks(const Node& node) {
-  synthesis::Circuit circuit = synthesis::CircuitFile::from_node(node).circuit;
+std::vector<Block> circuit_blocks(synthesis::Circuit circuit) {
   const synthesis::OpAmpModel opamp = circuit.opamp;
   circuit.opamp = synthesis::OpAmpModel::ideal();
   std::vector<Block> out;
   for (std::size_t i = 0; i < circuit.stages.size(); ++i) {
-    const synthesis::Stage& stage = circuit.stages[i];
-    const std::string name = fmt::format("Stage{}", i + 1);
-    std::vector<Block> blocks =
-        stage_blocks(synthesis::section_from_node(node.at("stages")[i].at("realised")), name);
-    if (stage.form) {
-      auto parts = std::make_shared<std::vector<PartChange>>();
-      add_capacitors(circuit, stage, blocks.back(), *parts);
-      add_opamps(circuit, i, blocks.back(), *parts);
-      blocks.back().parts = std::move(parts);
-    }
-    if (stage.form && !opamp.is_ideal) make_real(circuit, opamp, i, blocks);
-    out.insert(out.end(), blocks.begin(), blocks.end());
+    StageModel stage = stage_model_of(circuit, opamp, i);
+    if (circuit.stages[i].form) add_capacitors(circuit, opamp, i, stage.blocks[stage.section]);
+    out.insert(out.end(), stage.blocks.begin(), stage.blocks.end());
   }
   return out;
 }

@@ -4,6 +4,7 @@
 #include "chain/model_file.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
+#include "project/output/circuit_model.hpp"
 #include "project/output/run_model.hpp"
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/controller/files.hpp"
@@ -97,9 +98,13 @@ OutputSet design_files(const Run& run, const std::filesystem::path& folder) {
   if (project.plant)
     out.add("stage.toml",
             chain::model_text(stage_model(project, lowest_tracked(project)), "the stage of " + project.name));
-  if (const auto built = built_model(run))
+  if (const auto built = built_model(run)) {
     out.add("model.toml",
             chain::model_text(*built, "the controller as built and the stage of " + project.name));
+  } else if (design.circuit && !project.plant) {
+    out.add("model.toml", chain::model_text({.blocks = circuit_blocks(design.realised().circuit)},
+                                            "the circuit as built of " + project.name));
+  }
   out.add("bode.csv", stages_csv(design_stages(project, design), stages_grid(project, design)));
   out.add("bode.svg", report::stack_svg(stages_plots(project, design)));
   return out;

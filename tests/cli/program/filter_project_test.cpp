@@ -7,6 +7,7 @@
 #include "base/documents/document.hpp"
 #include "base/files.hpp"
 #include "run_program.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 
 namespace bodesmith {
 namespace {
@@ -107,6 +108,51 @@ TEST(FilterProject, APlanThatIsMissingIsALimitThatIsNotMet) {
   EXPECT_NE(result.out.find("fpaa_percent 1: not made NOT met"), std::string::npos) << result.out;
   const Node run = parse_json(read_file(folder / "out/run.json"), "run.json");
   EXPECT_EQ(run.at("limits").items().front().at("got").kind(), Node::Kind::null);
+}
+
+// The model of what was built, and a built circuit with one capacitor off as ngspice measures it.
+TEST(FilterProject, ItsModelNamesThePartThatIsOff) {
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
+  const TemporaryFolder folder;
+  write_file(folder / "s.json",
+             R"({"schema": "bodesmith.sections/1", "gain": 1, "sections": [
+                 {"gain": 3.9478e7, "zeros_rad_s": [], "poles_rad_s": [[-3927, 4905], [-3927, -4905]]},
+                 {"gain": 2, "zeros_rad_s": [[-2000, 0]], "poles_rad_s": [[-9000, 0]]}]})");
+  write_file(
+      folder / "p.toml",
+      "schema = \"bodesmith.project/1\"\n[target]\nsections = \"s.json\"\nfrom_hz = 50\nto_hz = 10000\n"
+      "[hardware.circuit]\n");
+  const auto run = [&](const std::string& words) {
+    const ProgramResult done =
+        run_shell("cd '" + folder.path().string() + "' && '" + BODESMITH_PROGRAM + "' " + words);
+    EXPECT_EQ(done.status, 0) << words << "\n" << done.err;
+  };
+  run("run p.toml -o out");
+  const Node circuit = parse_json(read_file(folder / "out/spice/circuit.json"), "circuit.json");
+  for (const Node& stage : circuit.at("stages").items()) {
+    for (const Node& part : stage.at("parts").items()) {
+      if (!part.has("realised_f")) continue;
+      const std::string name = part.at("part").string();
+      SCOPED_TRACE(name);
+      // Its line of the netlist: "C1_2 a b 1e-09".
+      std::string netlist = read_file(folder / "out/spice/compensator.sub");
+      const std::size_t at = netlist.rfind(' ', netlist.find('\n', netlist.find("\n" + name + " ") + 1)) + 1;
+      netlist.replace(at, netlist.find('\n', at) - at,
+                      std::to_string(1.12e9 * part.at("realised_f").number()) + "n");
+      write_file(folder / "faulty.sub", netlist);
+      run("bode faulty.sub --from-hz 50 --to-hz 10000 --count 60 -o measured.csv");
+      std::string table = read_file(folder / "measured.csv");
+      table.replace(0, table.find('\n'), "frequency_hz,magnitude_db,phase_deg");
+      write_file(folder / "measured.csv", table);
+      run("diagnose out/model.toml --data measured.csv -o gap");
+      const Node found = parse_json(read_file(folder / "gap/diagnosis.json"), "diagnosis.json");
+      ASSERT_EQ(found.at("steps").size(), 1u);
+      const Node step = found.at("steps")[0];
+      EXPECT_EQ(step.at("effect").string(), "capacitor_mismatch");
+      EXPECT_EQ(step.at("placed").string().find(name + " "), 0u) << step.at("placed").string();
+      EXPECT_NEAR(step.at("parameters").at("off_percent").at("value").number(), 12.0, 0.5);
+    }
+  }
 }
 
 }  // namespace

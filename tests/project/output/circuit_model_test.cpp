@@ -40,7 +40,8 @@ Built built(const Section& section, const std::string& realisation = "opamp-rc",
   Json json = synthesis::to_json(synthesis::realise(sections, options));
   json["schema"] = "bodesmith.circuit/1";
   const Node node = parse_json(to_text(json), "circuit.json");
-  return {synthesis::CircuitFile::from_node(node).circuit, {.blocks = circuit_blocks(node)}};
+  const synthesis::Circuit circuit = synthesis::CircuitFile::from_node(node).circuit;
+  return {circuit, {.blocks = circuit_blocks(circuit)}};
 }
 
 void expect_same(const std::vector<Complex>& wanted, const chain::Chain& model, double tolerance) {

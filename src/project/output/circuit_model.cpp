@@ -171,7 +171,8 @@ void make_real(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opa
   blocks.push_back(std::move(more));
 }
 
-/// One stage of a circuit whose op-amps are ideal, as they are with `opamp`; which of the blocks is its section.
+/// One stage of a circuit whose op-amps are ideal, as they are with `opamp`; which of the blocks is its section. Of integrators, ladders
+/// and stages of two blocks op-amps stay ideal; of the last two no part is told.
 struct StageModel {
   std::vector<Block> blocks;
   std::size_t section = 0;
@@ -189,11 +190,14 @@ StageModel stage_model_of(const synthesis::Circuit& ideal, const synthesis::OpAm
   }
   StageModel out{stage_blocks(section, fmt::format("Stage{}", i + 1))};
   out.section = out.blocks.size() - 1;
-  if (!stage.form) return out;
+  const bool one_block = out.blocks.size() == 1 || (out.blocks.size() == 2 && out.blocks[0].affine());
+  if (!stage.form || !one_block) return out;
+  const Block& block = out.blocks.back();
   auto parts = std::make_shared<std::vector<PartChange>>();
-  add_opamps(ideal, i, out.blocks.back(), *parts);
+  const bool integrates = chain::corner_of(block).empty() && !block.affine();
+  if (!integrates) add_opamps(ideal, i, block, *parts);
   out.blocks.back().parts = std::move(parts);
-  if (!opamp.is_ideal) make_real(ideal, opamp, i, out.blocks);
+  if (!integrates && !opamp.is_ideal) make_real(ideal, opamp, i, out.blocks);
   return out;
 }
 
@@ -254,7 +258,7 @@ std::vector<Block> circuit_blocks(synthesis::Circuit circuit) {
   std::vector<Block> out;
   for (std::size_t i = 0; i < circuit.stages.size(); ++i) {
     StageModel stage = stage_model_of(circuit, opamp, i);
-    if (circuit.stages[i].form) add_capacitors(circuit, opamp, i, stage.blocks[stage.section]);
+    if (stage.blocks[stage.section].parts) add_capacitors(circuit, opamp, i, stage.blocks[stage.section]);
     out.insert(out.end(), stage.blocks.begin(), stage.blocks.end());
   }
   return out;

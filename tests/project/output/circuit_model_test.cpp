@@ -59,9 +59,15 @@ Section two_poles(double quality, std::vector<Complex> zeros, double gain) {
 
 std::vector<Section> sections() {
   const double w = Hertz{1000.0}.rad_s().value;
-  return {two_poles(0.8, {}, w * w), two_poles(4.0, {}, -0.5 * w * w), two_poles(0.7, {0.0, 0.0}, 1.0),
-          two_poles(1.5, {0.0}, w),  {2.0, {-0.4 * w}, {-3.0 * w}},    {w, {}, {-w}},
-          {1.0, {0.0}, {-w}}};
+  return {two_poles(0.8, {}, w * w),
+          two_poles(4.0, {}, -0.5 * w * w),
+          two_poles(0.7, {0.0, 0.0}, 1.0),
+          two_poles(1.5, {0.0}, w),
+          {2.0, {-0.4 * w}, {-3.0 * w}},
+          {w, {}, {-w}},
+          {1.0, {0.0}, {-w}},
+          {0.5 * w, {}, {0.0}},
+          {2.0, {-0.3 * w}, {0.0}}};
 }
 
 TEST(CircuitModel, ACircuitsModelIsItsResponseAndFollowsItsCapacitors) {
@@ -133,6 +139,7 @@ TEST(CircuitModel, HasTheSpeedOfItsOpamps) {
   opamp.output_resistance_ohm = 0.0;
   opamp.dc_gain = 1e9;
   for (const Section& section : sections()) {
+    if (section.poles[0] == 0.0) continue;  // an integrator's stays ideal
     const Built one = built(section, "opamp-rc", opamp);
     const auto wanted = schematic::network_response(one.circuit, kGrid);
     for (std::size_t i = 0; i + 1 < kGrid.size(); ++i)

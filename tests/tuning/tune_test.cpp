@@ -212,7 +212,8 @@ TEST_F(Tune, TheUnitOfTimeChangesNothing) {
   EXPECT_NEAR(8.0 * b.integral_per_s / a.integral_per_s, 1.0, 0.02);
   EXPECT_NEAR(b.derivative_s / 8.0 / a.derivative_s, 1.0, 0.02);
   EXPECT_NEAR(8.0 * b.derivative_corner.value / a.derivative_corner.value, 1.0, 0.01);
-  EXPECT_NEAR(least_margins(there.members).max_sensitivity, least_margins(here.members).max_sensitivity, 0.02);
+  EXPECT_NEAR(least_margins(there.members).max_sensitivity, least_margins(here.members).max_sensitivity,
+              0.02);
 }
 
 TEST_F(Tune, APlantThatIntegratesHasTheSignOfItsSlopeAtRest) {

@@ -165,13 +165,14 @@ void PartChange::add(std::string parameter, double departure, double above, doub
   entries.push_back(std::move(out));
 }
 
-void PartChange::add_differences(const Block& block, double departure, const Block& above, const Block& below,
-                                 double nothing) {
+void PartChange::add_differences(const Block& block, double departure, const Block& above,
+                                 const Block& below) {
+  constexpr double kRounding = 1e-9;  // of the parameter
   for (std::size_t k = 0; k < block.parameters().size(); ++k) {
     const Parameter& at = block.parameters()[k];
     const double up = above.parameters()[k].value - at.value;
     const double down = below.parameters()[k].value - at.value;
-    if (std::max(std::abs(up), std::abs(down)) > nothing * (1.0 + std::abs(at.value)))
+    if (std::max(std::abs(up), std::abs(down)) > kRounding * (1.0 + std::abs(at.value)))
       add(at.name(), departure, up, down);
   }
 }

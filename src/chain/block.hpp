@@ -51,9 +51,8 @@ struct PartChange {
 
   /// From the values of the parameters at `departure` to both sides, less those at none.
   void add(std::string parameter, double departure, double above, double below);
-  /// The same for every parameter of `block` that differs by more than `nothing` of it in those with the departure.
-  void add_differences(const Block& block, double departure, const Block& above, const Block& below,
-                       double nothing);
+  /// The same for every parameter of `block` that differs by more than rounding in those with the departure.
+  void add_differences(const Block& block, double departure, const Block& above, const Block& below);
 };
 
 /// y = factor u + constant.

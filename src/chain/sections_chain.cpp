@@ -52,34 +52,49 @@ void add_real_pole(Blocks& out, double k, double pole, std::optional<double> zer
   }
 }
 
-/// Two poles that stay together: s^2 + 2 zeta w s + w^2.
-void add_pair(Blocks& out, const Section& section) {
+/// Two poles that stay together, s^2 + 2 zeta w s + w^2, and the numerator over w^2 in powers of s/w, without the gain.
+struct Pair {
+  double w, damping;
+  double low, band, high;
+};
+
+Pair pair_of(const Section& section) {
   Complex first = section.poles[0];
   Complex second = section.poles[1];
   if (first == 0.0) std::swap(first, second);
   if (first == 0.0) throw InputError("two poles at 0 share a section with complex zeros: no block is that");
   if (second == 0.0) second = 1e-12 * first;
   const double w = std::sqrt((first * second).real());
-  const double damping = -(first + second).real() / (2.0 * w);
+  Pair out{w, -(first + second).real() / (2.0 * w), 1.0 / (w * w), 0.0, 0.0};
   const auto& zeros = section.zeros;
-  if (zeros.empty()) {
-    out.gain *= section.gain / (w * w);
-    out.add("resonator").set("natural_frequency_hz", corner_hz(w)).set("damping_ratio", damping);
+  if (zeros.empty()) return out;
+  const bool two = zeros.size() == 2;
+  out.low = (two ? zeros[0] * zeros[1] : -zeros[0]).real() / (w * w);
+  out.band = two ? -(zeros[0] + zeros[1]).real() / w : 1.0 / w;
+  out.high = two ? 1.0 : 0.0;
+  return out;
+}
+
+Block biquad_of(const Pair& pair, double gain) {
+  return make_block("biquad")
+      .set("lowpass_gain", gain * pair.low)
+      .set("bandpass_gain", gain * pair.band)
+      .set("highpass_gain", gain * pair.high)
+      .set("natural_frequency_hz", corner_hz(pair.w))
+      .set("damping_ratio", pair.damping);
+}
+
+void add_pair(Blocks& out, const Section& section) {
+  Pair pair = pair_of(section);
+  if (section.zeros.empty()) {
+    out.gain *= section.gain / (pair.w * pair.w);
+    out.add("resonator").set("natural_frequency_hz", corner_hz(pair.w)).set("damping_ratio", pair.damping);
     return;
   }
-  // The numerator over w^2 in powers of s/w.
-  const bool two = zeros.size() == 2;
-  const double low = (two ? zeros[0] * zeros[1] : -zeros[0]).real() / (w * w);
-  const double band = two ? -(zeros[0] + zeros[1]).real() / w : 1.0 / w;
-  const double high = two ? 1.0 : 0.0;
-  const double unit = low != 0.0 ? low : two ? high : band;
+  const double unit = pair.low != 0.0 ? pair.low : pair.high != 0.0 ? pair.high : pair.band;
   out.gain *= section.gain * unit;
-  out.add("biquad")
-      .set("lowpass_gain", low / unit)
-      .set("bandpass_gain", band / unit)
-      .set("highpass_gain", high / unit)
-      .set("natural_frequency_hz", corner_hz(w))
-      .set("damping_ratio", damping);
+  for (double* one : {&pair.low, &pair.band, &pair.high}) *one /= unit;
+  out.list.push_back(biquad_of(pair, 1.0));
 }
 
 bool all_real(const std::vector<Complex>& roots) {
@@ -99,6 +114,10 @@ void add_section(Blocks& out, const Section& section) {
 }
 
 }  // namespace
+
+Block biquad_of(const Section& section) {
+  return biquad_of(pair_of(section), section.gain);
+}
 
 Chain chain_of(const Cascade& cascade) {
   Chain out;

@@ -16,6 +16,9 @@ namespace bodesmith::chain {
 /// With a `prefix` the blocks are named: "Section2", "Section2a" and "Section2b" of a section that takes two, "Section_gain".
 Chain chain_of(const Sections& sections, const std::string& prefix = {});
 
+/// A section of two poles, whatever they are, as one `biquad`, its gain in it.
+Block biquad_of(const Section& section);
+
 /// A fractional_lead_lag a term, named "Term1" …, behind the gain.
 Chain chain_of(const Cascade& cascade);
 /// y = x + K(f) d(x) by the slope of x, K at `operating` (0: without rate gains); named "stage".

@@ -26,22 +26,11 @@ using chain::make_block;
 using chain::PartChange;
 using Complex = std::complex<double>;
 
-/// A stage of two poles, whatever they are, is one block: its parts move all of it.
-Block biquad_block(const synthesis::Biquad& h) {
-  const double w = std::sqrt(h.a0 / h.a2);
-  return make_block("biquad")
-      .set("lowpass_gain", h.b0 / h.a0 + 0.0)
-      .set("bandpass_gain", h.b1 * w / h.a0 + 0.0)
-      .set("highpass_gain", h.b2 / h.a2 + 0.0)
-      .set("natural_frequency_hz", RadPerSecond{w}.hz().value)
-      .set("damping_ratio", 0.5 * h.a1 / std::sqrt(h.a0 * h.a2));
-}
-
 /// Relative departure at which what a capacitor does is worked out; the form that it has goes far beyond.
 constexpr double kCapacitorDeparture = 0.05;
 /// A good capacitor, percent: the usual grade.
 constexpr double kCapacitorPercent = 5.0;
-/// Of the parameter: less is rounding.
+/// Of the response: less is rounding.
 constexpr double kNoChange = 1e-9;
 
 /// Whether something passes the circuit, of ideal op-amps, at its stage's corner when this one is dead.
@@ -181,14 +170,10 @@ struct StageModel {
 StageModel stage_model_of(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opamp,
                           std::size_t i) {
   const synthesis::Stage& stage = ideal.stages[i];
-  Section section{1.0, {}, {}};
-  for (const synthesis::Biquad& factor : stage.realised) {
-    const Section one = factor.section();
-    section.gain *= one.gain;
-    section.zeros.insert(section.zeros.end(), one.zeros.begin(), one.zeros.end());
-    section.poles.insert(section.poles.end(), one.poles.begin(), one.poles.end());
-  }
-  StageModel out{stage_blocks(section, fmt::format("Stage{}", i + 1))};
+  Sections factors;
+  for (const synthesis::Biquad& factor : stage.realised) factors.sections.push_back(factor.section());
+  const PooledRoots roots = pooled_roots(factors);
+  StageModel out{stage_blocks({roots.gain, roots.zeros, roots.poles}, fmt::format("Stage{}", i + 1))};
   out.section = out.blocks.size() - 1;
   const bool one_block = out.blocks.size() == 1 || (out.blocks.size() == 2 && out.blocks[0].affine());
   if (!stage.form || !one_block) return out;
@@ -217,7 +202,7 @@ void add_capacitors(const synthesis::Circuit& ideal, const synthesis::OpAmpModel
     };
     PartChange one{ideal.parts[k].name, "percent", kCapacitorPercent};
     one.add_differences(section, 100.0 * kCapacitorDeparture, with(kCapacitorDeparture),
-                        with(-kCapacitorDeparture), kNoChange);
+                        with(-kCapacitorDeparture));
     if (!one.entries.empty()) parts->push_back(std::move(one));
   }
   parts->insert(parts->end(), section.parts->begin(), section.parts->end());
@@ -234,7 +219,7 @@ std::vector<Block> stage_blocks(const Section& section, const std::string& name)
     return chain::chain_of(make_sections(section.gain, section.zeros, section.poles), name + "_").blocks;
   } else if (section.poles.size() == 2 && std::abs(section.poles[0]) > 0.0 &&
              std::abs(section.poles[1]) > 0.0) {
-    out = {biquad_block(synthesis::Biquad::from_section(section))};
+    out = {chain::biquad_of(section)};  // its parts move all of it
   } else {
     Sections one;
     one.sections = {section};

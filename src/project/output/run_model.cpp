@@ -23,8 +23,6 @@ using chain::PartChange;
 
 /// Departure, relative, at which what a part does is worked out; the form that it has goes far beyond.
 constexpr double kRelative = 0.05;
-/// Of the parameter: less is rounding.
-constexpr double kNothing = 1e-9;
 
 Block called(Block block, const char* name) {
   block.part = name;
@@ -90,7 +88,7 @@ std::vector<PartChange> part_changes(const Run& run, const Block& loop, Hertz op
     const double unit = volts ? 1.0 : 100.0;
     PartChange one{cause.name.substr(0, cause.name.find(", tolerance")), volts ? "v" : "percent",
                    unit * cause.departure.limit()};
-    one.add_differences(loop, unit * departure, above, below, kNothing);
+    one.add_differences(loop, unit * departure, above, below);
     if (!one.entries.empty()) out.push_back(std::move(one));
   }
   return out;

@@ -32,6 +32,7 @@ Verdict verdict_of(const SearchResult& result, double train_rms, double enough) 
   if (result.steps.empty()) return left ? Verdict::unexplained : Verdict::nothing_missing;
   return left ? Verdict::partly_explained : Verdict::explained;
 }
+
 namespace {
 
 /// Unknowns of one term when nothing with another excitation is held out.

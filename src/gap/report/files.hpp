@@ -1,11 +1,11 @@
 #pragma once
 
+#include <string>
+
 #include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
 #include "base/provenance.hpp"
 #include "gap/diagnosis.hpp"
-
-#include <string>
 
 namespace bodesmith::gap {
 

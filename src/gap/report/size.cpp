@@ -1,6 +1,7 @@
 #include "gap/report/size.hpp"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -323,6 +323,8 @@ BoardsInTime track_board_in_time(const Project& project, const Design& design,
   }
   if (best == nullptr) return out;
   out.key = best->key;
+  out.apart =
+      "the closed form is of each harmonic's own frequency, ngspice has the images of the clock as well";
   const BoardTracker tracker(project, design, best->design.form);
   follow(
       out, project.track.frequency, [&](Hertz f) { return tracker.cost_s(tracker.window(f)); },

@@ -18,6 +18,7 @@ struct BoardsInTime {
   std::string key;  ///< of what was followed (TrackedDesign::key); empty: nothing
   std::vector<BoardInTime> at;
   std::string missing;  ///< why not, or not everywhere
+  std::string apart;    ///< what else than errors is between closed form and ngspice; empty: nothing
 };
 /// A board as compensator, the better of its two forms (one pass, fed by its own drive) harmonic by harmonic: the drive that ngspice
 /// makes with its board.sub and an ideal generator, and what charge conservation makes of what ngspice's board read.

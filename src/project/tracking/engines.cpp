@@ -133,9 +133,7 @@ std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::R
       raise(row.agreement_percent, at.difference_percent);
     }
     row.missing = "a board is solved from edge to edge, which leaves nothing to CVODE";
-    if (!built->key.starts_with("controller_"))
-      row.missing +=
-          "; the closed form is of each harmonic's own frequency, ngspice has the images of the clock as well";
+    if (!board.apart.empty()) row.missing += "; " + board.apart;
     if (!board.missing.empty()) row.missing += "; " + board.missing;
   }
   return out;

@@ -143,7 +143,7 @@ std::vector<RunningController> running_controllers(
 }
 
 /// How far ngspice and CVODE are apart along the main reference (ControllersTracked::agreement_percent), where both run.
-std::optional<double> make_drives(const Project& project, const controller::DisturbanceCircuit* analog,
+std::optional<double> make_drives(const Project& project, const generator::DisturbanceCircuit* analog,
                                   std::vector<RunningController>& controllers) {
   const std::vector<Hertz>& frequencies = project.track.frequency;
   const Reference main = main_reference(project);

@@ -28,6 +28,18 @@ made::Complex slow(double hz, double gain_bandwidth_hz, double pole_hz = kPoleHz
   return h / (1.0 + (1.0 + h) * made::Complex(0.0, hz / gain_bandwidth_hz));
 }
 
+/// Of a response up to 2 kHz.
+std::vector<gap::Proposal> proposed(const char* effect, const gap::Model& model) {
+  gap::Scene scene;
+  scene.model = &model;
+  scene.frequency_only = true;
+  scene.band_hz = 300.0;
+  scene.top_hz = 2000.0;
+  std::vector<gap::Proposal> out;
+  gap::effect_registry().get(effect).propose(scene, out);
+  return out;
+}
+
 TEST(SlowOpamp, isNamedWithComplexPolesAndWithRealOnes) {
   for (const double gain_bandwidth_hz : {2e3, 6e3, 6e4}) {
     const auto record = made::measured([=](double hz) { return slow(hz, gain_bandwidth_hz); }, 5.0, 2000.0,
@@ -59,19 +71,11 @@ TEST(SlowOpamp, standsBesideAMismatchInItsSection) {
 
 TEST(SlowOpamp, followsThePoleThatAnotherTermMoves) {
   const gap::Model base(lead_section());
-  std::vector<gap::Proposal> proposals;
-  gap::Scene scene;
-  scene.model = &base;
-  scene.frequency_only = true;
-  scene.band_hz = 300.0;
-  scene.top_hz = 2000.0;
-  gap::effect_registry().get("opamp_bandwidth").propose(scene, proposals);
+  auto proposals = proposed("opamp_bandwidth", base);
   ASSERT_FALSE(proposals.empty());
   gap::Model with_opamp = proposals.front().model;
   with_opamp.set_values(std::vector{2e4});
-  proposals.clear();
-  scene.model = &with_opamp;
-  gap::effect_registry().get("capacitor_mismatch").propose(scene, proposals);
+  proposals = proposed("capacitor_mismatch", with_opamp);
   const auto pole = std::find_if(proposals.begin(), proposals.end(), [](const gap::Proposal& p) {
     return p.model.terms().back().unknowns.front().name == "pole_hz";
   });
@@ -92,13 +96,7 @@ TEST(SlowOpamp, ofTwoPolesMakesAThird) {
       "[[block]]\ntype = \"biquad\"\nlowpass_gain = -2.0\nnatural_frequency_hz = 100.0\ndamping_ratio = 0.4\n"
       "[block.parts]\nC1 = {unit = \"percent\", tolerance = 5.0, \"damping_ratio\" = [0.002, 0.0]}\n"
       "U1 = {gain_bandwidth_hz = 1e9, noise_gain = [3.0, 2.5, 1.5]}\nU2 = {gain_bandwidth_hz = 1e9, noise_gain = [0.0, 2.0, 1.0]}\n"));
-  std::vector<gap::Proposal> proposals;
-  gap::Scene scene;
-  scene.model = &base;
-  scene.frequency_only = true;
-  scene.band_hz = 300.0;
-  scene.top_hz = 2000.0;
-  gap::effect_registry().get("opamp_bandwidth").propose(scene, proposals);
+  const auto proposals = proposed("opamp_bandwidth", base);
   ASSERT_EQ(proposals.size(), 3U);  // each, and both of one type
   EXPECT_EQ(proposals[0].model.terms().back().part, "U1");
   EXPECT_EQ(proposals[0].model.terms().back().placed, "inside block 1");

@@ -42,7 +42,7 @@ inline bodesmith::gap::MeasuredResponse measured(const Response& h, double from_
 
 /// A gain that may be refitted.
 inline bodesmith::chain::Chain free_gain(double gain) {
-  return model_of(
+  return bodesmith::model_of(
       "[[block]]\ntype = \"gain\"\noffset = 0.0\nfree = [\"gain\"]\ngain = " + std::to_string(gain) + "\n");
 }
 

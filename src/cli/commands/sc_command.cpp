@@ -9,7 +9,6 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "fpaa/device/mismatch.hpp"
 #include "fpaa/network/switched_netlist.hpp"
 #include "lti/frequency_grid.hpp"
 #include "signal/columns.hpp"
@@ -21,13 +20,18 @@ namespace {
 void declare_sc(CommandLine& line) {
   line.positional("NETLIST", 1, 1);
   line.flag("ac", "the response: the output's component at the input's own frequency (the default)");
-  line.flag("noise", "density of the switches' kT/C noise at the output, every folding in it");
+  line.flag(
+      "noise",
+      "density of the noise at the output, every folding in it: kT/C of the switches, and what op-amps have by noise=V/rtHz gbw=HZ");
   line.option<double>("temperature-k", "of the switches", 300.0);
   line.band("lowest frequency (default: a thousandth of the slowest clock)",
             "highest (default: half the fastest clock)");
   line.option<int>("count", "frequencies, evenly spaced in logarithm", 200);
   line.output("CSV: frequency_hz, magnitude_db, phase_deg, noise_v_per_rthz");
 }
+
+/// Time constants in a phase: of fewer a step is left more than .7 % short, and noise is up to .3 dB off.
+constexpr double kSettled = 5.0;
 
 Band sc_band(const CommandLine& line, const fpaa::SwitchedNetlist& netlist) {
   Band band{{INFINITY}, {0.0}};
@@ -47,9 +51,9 @@ Band sc_band(const CommandLine& line, const fpaa::SwitchedNetlist& netlist) {
 int run_sc(const std::vector<std::string>& arguments) {
   CommandLine line(
       "sc", "bodesmith sc filter.sc --ac --noise --from-hz 10 --to-hz 100e3 -o filter.csv",
-      "Reads a small netlist of capacitors, clocked switches and ideal op-amps (.clock main 100k; V1 in "
-      "0; C1 a b 1p; S1 a b main.1; O1 plus minus out; .output out) and writes what it does to a sine "
-      "and the switches' noise, by charge conservation in the exact periodic steady state.");
+      "Reads a small netlist of capacitors, clocked switches and op-amps (.clock main 100k; V1 in "
+      "0; C1 a b 1p; S1 a b main.1; O1 plus minus out noise=5n gbw=10meg; .output out) and writes what it does to a "
+      "sine and its noise, by charge conservation in the exact periodic steady state.");
   declare_sc(line);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
@@ -59,14 +63,18 @@ int run_sc(const std::vector<std::string>& arguments) {
   const bool noise = line.has("noise");
   const bool ac = line.has("ac") || !noise;
   const Stopwatch watch;
-  const fpaa::PeriodicNetworks networks = netlist.networks(noise);
+  const double temperature_k = line.positive("temperature-k");
+  const fpaa::PeriodicNetworks networks =
+      netlist.networks(noise ? std::optional(temperature_k) : std::nullopt);
+  const double settled = noise ? netlist.settled() : INFINITY;
+  if (settled < kSettled)
+    note(fmt::format(
+        "an op-amp has {} time constants in the shortest phase: response and noise are those of settled ones",
+        rounded_text(settled, 2)));
   std::vector<std::string> names{std::string(column::frequency_hz)};
   if (ac) names.insert(names.end(), {std::string(column::magnitude_db), std::string(column::phase_deg)});
   if (noise) names.emplace_back("noise_v_per_rthz");
   CsvTable table(names);
-  fpaa::NoiseModel model;
-  model.unit_capacitance_f = netlist.unit_f;
-  model.temperature_k = line.positive("temperature-k");
   double square = 0.0;
   double last_density = 0.0;
   double last_hz = 0.0;
@@ -78,7 +86,7 @@ int run_sc(const std::vector<std::string>& arguments) {
       cells.push_back(number_text(to_degrees(std::arg(h))));
     }
     if (noise) {
-      const double density = std::pow(model.unit_noise_v(), 2) * networks.noise_density(f.rad_s())[0];
+      const double density = netlist.thermal_v2(temperature_k) * networks.noise_density(f.rad_s())[0];
       cells.push_back(number_text(std::sqrt(density)));
       if (last_hz > 0.0) square += 0.5 * (density + last_density) * (f.value - last_hz);
       last_density = density;
@@ -90,21 +98,17 @@ int run_sc(const std::vector<std::string>& arguments) {
   OutputSet out;
   out.add(line.output_path(), table.text());
   out.commit();
-  if (line.json()) {
-    Json json = json_header("sc_summary", from);
-    json["band_hz"] = {band.from.value, band.to.value};
-    if (noise) json["noise_v"] = std::sqrt(square);
-    json["timing_s"] = {{"compute", seconds}};
-    fmt::print("{}\n", json.dump(2));
-    return kDone;
-  }
-  fmt::print("{} capacitors, {} switches, {} op-amps\n", netlist.network.capacitors.size(),
-             netlist.network.switches.size(), netlist.network.opamps.size());
+  Json json = json_header("sc_summary", from);
+  json["band_hz"] = {band.from.value, band.to.value};
+  if (noise) json["noise_v"] = std::sqrt(square);
+  json["timing_s"] = {{"compute", seconds}};
+  std::string text =
+      fmt::format("{} capacitors, {} switches, {} op-amps\n", netlist.network.capacitors.size(),
+                  netlist.network.switches.size(), netlist.network.opamps.size());
   if (noise)
-    fmt::print("kT/C noise from {} to {} Hz: {}\n", rounded_text(band.from.value),
-               rounded_text(band.to.value), engineering_text(std::sqrt(square), "V rms"));
-  fmt::print("written to {}\n", line.get<std::string>("output"));
-  return kDone;
+    text += fmt::format("noise from {} to {} Hz: {}\n", rounded_text(band.from.value),
+                        rounded_text(band.to.value), engineering_text(std::sqrt(square), "V rms"));
+  return print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), json);
 }
 
 }  // namespace bodesmith::cli

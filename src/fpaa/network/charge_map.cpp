@@ -87,8 +87,8 @@ class MapMaker {
   ChargeMap make(bool with_noise) {
     find_holds();
     number_groups();
-    solve();
-    if (with_noise) add_noise();
+    solve(with_noise);
+    if (with_noise) add_switch_noise();
     return std::move(out_);
   }
 
@@ -135,7 +135,7 @@ class MapMaker {
 
   /// Unknowns: voltages of the charge groups, then of the op-amps' outputs. Equations: the charges, then
   /// v(minus) = v(plus) of every op-amp.
-  void solve() {
+  void solve(bool with_noise) {
     const auto opamps = static_cast<Index>(network_.opamps.size());
     const auto inputs = static_cast<Index>(network_.inputs.size());
     const Index size = out_.charges + opamps;
@@ -173,6 +173,40 @@ class MapMaker {
     out_.volts_u = from_u.bottomRows(opamps);
     out_.nodes_q = capacitance_ * by_unknown * from_q;
     out_.nodes_u = capacitance_ * (by_unknown * from_u + by_input);
+    if (with_noise) add_opamp_noise(a, by_unknown);
+  }
+
+  /// `a`: the equations of all unknowns. Of op-amps with a bandwidth the outputs are given instead of their inputs equal.
+  void add_opamp_noise(MatrixXd a, const MatrixXd& by_unknown) {
+    ChargeMap::OpAmpNoise& out = out_.opamps;
+    for (std::size_t k = 0; k < network_.opamps.size(); ++k) {
+      if (network_.opamps[k].gain_bandwidth.value > 0.0) out.of.push_back(static_cast<Index>(k));
+    }
+    const auto slow = static_cast<Index>(out.of.size());
+    MatrixXd given = MatrixXd::Zero(a.rows(), slow);
+    for (Index i = 0; i < slow; ++i) {
+      const Index row = out_.charges + out.of[static_cast<std::size_t>(i)];
+      a.row(row).setZero();
+      a(row, row) = given(row, i) = 1.0;
+    }
+    const MatrixXd unknown = solve_lu_columns(a, given);
+    MatrixXd back(slow, slow);  // what comes back to each inverting input
+    Eigen::VectorXd rate(slow), intensity(slow);
+    for (Index i = 0; i < slow; ++i) {
+      const SwitchedNetwork::OpAmp& amp =
+          network_.opamps[static_cast<std::size_t>(out.of[static_cast<std::size_t>(i)])];
+      back.row(i) = (by_unknown.row(amp.minus) - by_unknown.row(amp.plus)) * unknown;
+      rate(i) = amp.gain_bandwidth.rad_s().value;
+      intensity(i) = 0.5 * amp.noise_per_hz * rate(i) * rate(i);
+    }
+    const MatrixXd towards_rest = rate.asDiagonal() * back;
+    if (slow > 0) out.slowest_s = 1.0 / eigenvalues(towards_rest).real().minCoeff();
+    if (!(out.slowest_s >= 0.0) || std::isinf(out.slowest_s))
+      throw DesignError("the op-amps do not settle in a phase, expected bandwidths with which they do");
+    out.volts = unknown.bottomRows(static_cast<Index>(network_.opamps.size()));
+    out.nodes = capacitance_ * by_unknown * unknown;
+    out.settling_s = solve_lu_columns(towards_rest, MatrixXd::Identity(slow, slow));
+    out.covariance = stationary_covariance(-towards_rest, intensity.asDiagonal());
   }
 
   /// Every closed switch a conductance of 1 (equal ones: only their ratios count) with white current of intensity
@@ -183,7 +217,7 @@ class MapMaker {
   ///   dy/dt = A y + F w,   A P + P A' + 2 F F' = 0
   /// has the covariance P kT when the switches open. (What an op-amp's feedback gives back to the switched
   /// capacitors is in it: a low pass has less than kT C a branch.)
-  void add_noise() {
+  void add_switch_noise() {
     const auto nodes = static_cast<Index>(network_.nodes);
     MatrixXd conductance = MatrixXd::Zero(nodes, nodes);
     MatrixXd currents = MatrixXd::Zero(nodes, static_cast<Index>(network_.switches.size()));

@@ -64,14 +64,42 @@ ClockedNetwork::ClockedNetwork(const SwitchedNetwork& network, std::vector<std::
     auto found = maps.find(closed);
     if (found == maps.end()) found = maps.emplace(closed, charge_map(network, closed, with_noise)).first;
     at.push_back(&found->second);
-    intervals_.push_back({t, found->second.volts_q, found->second.volts_u, {}, {}, {}});
+    intervals_.push_back({t,
+                          found->second.volts_q,
+                          found->second.volts_u,
+                          {},
+                          {},
+                          {},
+                          0.0,
+                          found->second.opamps.slowest_s,
+                          {}});
   }
   for (std::size_t i = 0; i < intervals_.size(); ++i) {
     const Eigen::MatrixXd sums = regrouped(*at[(i + 1) % at.size()]);
     intervals_[i].m = sums * at[i]->nodes_q;
     intervals_[i].n = sums * at[i]->nodes_u;
-    if (with_noise) intervals_[i].noise = sums * at[i]->noise * sums.transpose();
+    if (with_noise) add_noise(intervals_[i], *at[i], *at[(i + 1) % at.size()], sums);
   }
+}
+
+/// Where the switches move, x leaves sums nodes x in the charges. The op-amps' outputs go on from where they were: what is
+/// not x of the next interval's charges settles there. The integral of the output about the instant is
+///   volts int x(t) dt before it and volts settling (x - C sums nodes x) behind it.
+void ClockedNetwork::add_noise(Interval& interval, const ChargeMap& here, const ChargeMap& next,
+                               const Eigen::MatrixXd& sums) const {
+  const ChargeMap::OpAmpNoise& before = here.opamps;
+  const ChargeMap::OpAmpNoise& after = next.opamps;
+  const auto read = static_cast<Eigen::Index>(output_);
+  const Eigen::MatrixXd left = sums * before.nodes;
+  const Eigen::MatrixXd of_left = left * before.covariance;  // covariance of what is left with x
+  interval.noise = sums * here.noise * sums.transpose() + of_left * left.transpose();
+  const Eigen::RowVectorXd volts = before.volts.row(read);
+  const Eigen::VectorXd about = before.covariance * (before.settling_s.transpose() * volts.transpose());
+  interval.direct_noise_s = 2.0 * volts.dot(about);
+  const Eigen::MatrixXd goes_on =
+      of_left.transpose() - next.volts_q(after.of, Eigen::all) * left * of_left.transpose();
+  interval.noise_about_end_s =
+      left * about + (after.volts.row(read) * after.settling_s * goes_on).transpose();
 }
 
 }  // namespace bodesmith::fpaa

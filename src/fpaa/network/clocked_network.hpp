@@ -21,7 +21,12 @@ class ClockedNetwork {
   struct Interval {
     std::int64_t start = 0;
     Eigen::MatrixXd c, d, m, n;
-    Eigen::MatrixXd noise;  ///< covariance of what its switches' noise adds to the next q (kT times the unit)
+    Eigen::MatrixXd noise;  ///< covariance of what noise adds to the next q (kT times the unit)
+    /// Of op-amps with a noise of their own, at the output that is read, each in kT over the unit: the two-sided density while no
+    /// switch moves, s, and the covariance of its integral about the interval's end with what is added to the next q.
+    double direct_noise_s = 0.0;
+    double slowest_s = 0.0;  ///< longest time constant of theirs
+    Eigen::VectorXd noise_about_end_s;
   };
 
   /// Throws DesignError where a position of the switches leaves a voltage open, or where the common period has
@@ -39,6 +44,9 @@ class ClockedNetwork {
   std::size_t output() const { return output_; }
 
  private:
+  void add_noise(Interval& interval, const ChargeMap& here, const ChargeMap& next,
+                 const Eigen::MatrixXd& sums) const;
+
   std::int64_t period_ = 1;
   std::size_t inputs_ = 0, opamps_ = 0, output_ = 0;
   std::vector<Interval> intervals_;

@@ -537,10 +537,21 @@ class PeriodicNetworks::NoisePass {
     for (std::size_t at = owed_[n].size(); at-- > 0;) back(n, at, q);
     // Owed at the end: what is owed at the beginning, a period later.
     q = solve_periodic(std::polar(1.0, per_tick_ * whole), loop.transpose(), q);
+    const bool is_read = std::ranges::count(board_.parts_[*board_.output_], n) > 0;
     double out = 0.0;
+    double direct = 0.0;  // what the op-amps' noise is at the output beside what it leaves in charges
     for (std::size_t at = owed_[n].size(); at-- > 0;) {
       const std::size_t i = at % node.pieces();
       const auto& interval = node.clocked.intervals()[node.interval[i]];
+      if (is_read) {
+        const double end = static_cast<double>(at / node.pieces()) * static_cast<double>(node.period) +
+                           static_cast<double>(node.edges[i + 1]);
+        direct += interval.direct_noise_s * static_cast<double>(node.edges[i + 1] - node.edges[i]) / whole;
+        if (node.ends[i])
+          direct +=
+              2.0 *
+              (std::polar(1.0, -per_tick_ * end) * q.dot(interval.noise_about_end_s.cast<Complex>())).real();
+      }
       for (Index r = 0; node.ends[i] && r < q.size(); ++r) {
         Complex sum = 0.0;
         for (Index k = 0; k < q.size(); ++k) sum += interval.noise(r, k) * q(k);
@@ -553,7 +564,7 @@ class PeriodicNetworks::NoisePass {
       }
       back(n, at, q);
     }
-    return out * whole;
+    return out * whole + direct * board_.ticks_per_second_;
   }
 
  private:

@@ -44,7 +44,9 @@ struct SineWaveform {
 /// instant to instant. By the transposed passes, G_i the Fourier transform of the output after a unit charge at
 /// instant i of the common period L of the network and all that follows it, the density at the output is
 /// (1/L) sum_i G_i' K_i G_i: all foldings are in it. (Where that L has too many instants, foldings by clocks that
-/// have no short common period are left out.)
+/// have no short common period are left out.) Noise of op-amps that have settled long before a switch moves: what they leave in the
+/// charges likewise, and at the output that is read what they are while no switch moves, with what both have in common; right to
+/// the first order in settling time over interval. (What another network samples of it is left out: one network has all.)
 class PeriodicNetworks {
  public:
   /// What an input of a network reads.

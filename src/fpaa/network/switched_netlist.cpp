@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
+#include "fpaa/device/mismatch.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -95,8 +96,7 @@ class NetlistReader {
       expect(4, "Sname NODE NODE CLOCK.PHASE");
       read_switch(words);
     } else if (name[0] == 'o') {
-      expect(4, "Oname PLUS MINUS OUT");
-      out_.network.opamps.push_back({node(words[1]), node(words[2]), node(words[3])});
+      read_opamp(words);
     } else {
       fail(fmt::format("'{}' is no element, expected C, S, O, V, .clock or .output", name));
     }
@@ -112,6 +112,29 @@ class NetlistReader {
                        words[3], out_.clocks.empty() ? "main" : out_.clocks[0]));
     out_.network.switches.push_back(
         {node(words[1]), node(words[2]), static_cast<int>(at - out_.clocks.begin()), phase == "1" ? 1 : 2});
+  }
+
+  void read_opamp(const std::vector<std::string>& words) {
+    constexpr const char* kForm = "Oname PLUS MINUS OUT, or with noise=5n gbw=10meg behind it";
+    if (words.size() != 4 && words.size() != 6)
+      fail(fmt::format("'{}' has {} words, expected {}", words[0], words.size(), kForm));
+    SwitchedNetwork::OpAmp out{.plus = node(words[1]), .minus = node(words[2]), .out = node(words[3])};
+    double noise = 0.0;
+    for (std::size_t i = 4; i < words.size(); ++i) {
+      const std::size_t equals = words[i].find('=');
+      const std::string key = words[i].substr(0, equals);
+      const std::string given = equals == std::string::npos ? "" : words[i].substr(equals + 1);
+      if (key == "noise") {
+        noise = value(given, "V/rtHz");
+      } else if (key == "gbw") {
+        out.gain_bandwidth = {value(given, "Hz")};
+      } else {
+        fail(fmt::format("'{}' is no figure of an op-amp, expected {}", words[i], kForm));
+      }
+    }
+    if ((noise > 0.0) != (out.gain_bandwidth.value > 0.0)) fail(fmt::format("expected {}", kForm));
+    out_.network.opamps.push_back(out);
+    out_.opamp_noise_v_per_rthz.push_back(noise);
   }
 
   double value(const std::string& word, const char* what) const {
@@ -156,6 +179,7 @@ class NetlistReader {
     }
     const int out = network.add_node();
     network.opamps.push_back({.plus = *output_, .minus = out, .out = out});
+    out_.opamp_noise_v_per_rthz.push_back(0.0);
     network.output = static_cast<int>(network.opamps.size()) - 1;
   }
 
@@ -173,10 +197,31 @@ SwitchedNetlist SwitchedNetlist::read(std::string_view text, const std::string& 
   return NetlistReader(file).read(text);
 }
 
-PeriodicNetworks SwitchedNetlist::networks(bool with_noise) const {
+PeriodicNetworks SwitchedNetlist::networks(std::optional<double> temperature_k) const {
   using Source = PeriodicNetworks::Source;
+  SwitchedNetwork noisy = network;
+  for (std::size_t k = 0; temperature_k && k < noisy.opamps.size(); ++k)
+    noisy.opamps[k].noise_per_hz = std::pow(opamp_noise_v_per_rthz[k], 2) / thermal_v2(*temperature_k);
   PeriodicNetworks out(ticks_per_second);
-  out.set_output(out.add(ClockedNetwork(network, ticks, with_noise), {Source{Source::Kind::board_input, 0}}));
+  out.set_output(out.add(ClockedNetwork(noisy, ticks, temperature_k.has_value()),
+                         {Source{Source::Kind::board_input, 0}}));
+  return out;
+}
+
+double SwitchedNetlist::thermal_v2(double temperature_k) const {
+  return std::pow(NoiseModel{.unit_capacitance_f = unit_f, .temperature_k = temperature_k}.unit_noise_v(), 2);
+}
+
+double SwitchedNetlist::settled() const {
+  const ClockedNetwork clocked(network, ticks, true);
+  double out = INFINITY;
+  for (std::size_t i = 0; i < clocked.intervals().size(); ++i) {
+    const auto& interval = clocked.intervals()[i];
+    const std::int64_t end =
+        i + 1 < clocked.intervals().size() ? clocked.intervals()[i + 1].start : clocked.period();
+    if (interval.slowest_s > 0.0)
+      out = std::min(out, static_cast<double>(end - interval.start) / ticks_per_second / interval.slowest_s);
+  }
   return out;
 }
 

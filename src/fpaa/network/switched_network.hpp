@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "fpaa/cams/switches.hpp"
 
 namespace bodesmith::fpaa {
 
-/// Capacitors, clocked switches and ideal op-amps: all there is in a switched-capacitor circuit. Nodes are
-/// counted, 0 is ground; switches have no resistance, op-amps any gain and bandwidth.
+/// Capacitors, clocked switches and op-amps: all there is in a switched-capacitor circuit. Nodes are
+/// counted, 0 is ground; switches have no resistance, op-amps any gain, and all have settled when a switch moves.
 struct SwitchedNetwork {
   struct Capacitor {
     std::string name;
@@ -25,6 +26,8 @@ struct SwitchedNetwork {
   };
   struct OpAmp {
     int plus = 0, minus = 0, out = 0;
+    Hertz gain_bandwidth{0.0};  ///< what its noise is limited by; 0: none is known
+    double noise_per_hz = 0.0;  ///< one-sided density at its input, in kT over the unit of capacitance
   };
   int nodes = 1;  ///< ground among them
   std::vector<Capacitor> capacitors;
@@ -53,6 +56,17 @@ struct ChargeMap {
   /// Covariance of the plates' charge that the noise of the switches (of equal resistance) leaves when they open, in
   /// kT times the unit of capacitance (nodes x nodes).
   Eigen::MatrixXd noise;
+
+  /// Of the op-amps with a bandwidth, x their outputs beside the above while no switch moves:
+  ///   dx/dt = 2 pi f (v(plus) - v(minus) + e) = A x + 2 pi f e,   e white.
+  struct OpAmpNoise {
+    std::vector<Eigen::Index> of;  ///< their indices
+    Eigen::MatrixXd volts, nodes;  ///< outputs of all op-amps, and charges of the plates at each node, from x
+    Eigen::MatrixXd settling_s;    ///< -1/A
+    double slowest_s = 0.0;        ///< longest time constant
+    Eigen::MatrixXd covariance;    ///< of x, in kT over the unit of capacitance
+  };
+  OpAmpNoise opamps;
 };
 
 /// Throws DesignError where the voltages are not determined: an op-amp without feedback, an input joined to ground.

@@ -47,7 +47,7 @@ Complex ladder(double w) {
 
 /// Largest difference of the magnitudes, in and beyond the pass band.
 double ladder_error(int times) {
-  const PeriodicNetworks filter = cauer_at(times).networks(false);
+  const PeriodicNetworks filter = cauer_at(times).networks();
   double out = 0.0;
   for (const double w : {0.01, 0.3, 0.7, 0.9, 1.0, 1.1799, 1.3, 1.705, 2.0})
     out = std::max(out, std::abs(std::abs(filter.gain({w})) - std::abs(ladder(w))));
@@ -60,14 +60,14 @@ TEST(SwitchedNetlist, TheCauerFilterIsItsLadderAsTheClockGrows) {
   EXPECT_LT(ladder_error(1), 0.1);
   EXPECT_LT(at10, 0.01);
   EXPECT_LT(at100, 0.15 * at10);
-  EXPECT_NEAR(std::abs(cauer_at(1).networks(false).gain({1e-6})), 0.5, 1e-9);
+  EXPECT_NEAR(std::abs(cauer_at(1).networks().gain({1e-6})), 0.5, 1e-9);
 }
 
 TEST(SwitchedNetlist, NoiseOfTheCauerFilterIsThatOfItsLadderWithinItsBand) {
   // In the pass band a doubly terminated ladder of R at both ends has some kT R of noise; the switched one's
   // resistors have 2 kT T/C each, of which the leapfrog has eleven.
   const SwitchedNetlist cauer = cauer_at(1);
-  const PeriodicNetworks filter = cauer.networks(true);
+  const PeriodicNetworks filter = cauer.networks(300.0);
   const double low = filter.noise_density(Hertz{0.01}.rad_s())[0] / cauer.unit_f;  // in kT
   EXPECT_GT(low, 4.0 * 0.5);
   EXPECT_LT(low, 4.0 * 11.0);
@@ -77,7 +77,7 @@ TEST(SwitchedNetlist, NoiseOfTheCauerFilterIsThatOfItsLadderWithinItsBand) {
 TEST(SwitchedNetlist, MistakesAreNamedByLine) {
   const auto message = [](const std::string& text) -> std::string {
     try {
-      (void)SwitchedNetlist::read(text, "x.sc").networks(false);
+      (void)SwitchedNetlist::read(text, "x.sc").networks();
     } catch (const std::exception& e) {
       return e.what();
     }
@@ -97,7 +97,7 @@ TEST(SwitchedNetlist, MistakesAreNamedByLine) {
 TEST(SwitchedNetlist, ATrackAndHold) {
   const auto netlist =
       SwitchedNetlist::read(".clock main 1meg\nV1 in 0\nS1 in b main.1\nC1 b 0 1p\n.output b\n", "hold.sc");
-  const PeriodicNetworks hold = netlist.networks(false);
+  const PeriodicNetworks hold = netlist.networks();
   for (const double share : {0.01, 0.3, 1.7}) {
     const double w = 2.0 * std::numbers::pi * share * 1e6;
     const double quarter = 0.25 * w * 1e-6;

@@ -45,7 +45,8 @@ Sign depends_on_signals(const Leftover& learn, const Leftover& apply);
 /// A line stands in the spectrum, narrower and higher than noise makes them.
 Sign spectral_line(const Leftover& record);
 
-/// The residual jumps once or a few times, far beyond its usual changes from sample to sample.
+/// The residual jumps once or a few times, far beyond its usual changes from sample to sample, or between means of a few
+/// samples far beyond what chance does.
 Sign jumps(const Leftover& record);
 
 /// The residual is a slowly changing multiple of the output: a gain that varies with time.

@@ -42,6 +42,24 @@ TEST(Signs, aChirpAndBurstsAreConcentratedAndNoiseIsNot) {
   }
 }
 
+// A jump that a straight line was put through (a drift was named), four deviations of the noise high; no noise of any colour and no
+// sine under noise has such steps.
+TEST(Signs, AJumpUnderTheNoiseOfSingleSamplesIsSeen) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    auto jump = noise_of_colour(0.0, seed);
+    auto sine = jump;
+    for (std::size_t i = 0; i < 2000; ++i) {
+      const double t = static_cast<double>(i) / 2000.0;
+      jump.residual[i] += 4.0 * ((t > 0.6 ? 1.0 : 0.0) - t);
+      sine.residual[i] += 3.0 * std::sin(40.0 * t);
+    }
+    EXPECT_TRUE(jumps(jump).found()) << seed;
+    EXPECT_FALSE(jumps(sine).found()) << seed;
+    for (const double memory : {0.0, 0.9, 0.99, 0.999})
+      EXPECT_FALSE(jumps(noise_of_colour(memory, seed + 100)).found()) << seed << " " << memory;
+  }
+}
+
 // What a smooth drive leaves keeps to its band; noise that forgets itself falls off slowly.
 TEST(Signs, aHumpStandsOnAWhiteFloorAndColouredNoiseHasNone) {
   for (unsigned seed = 1; seed <= 20; ++seed) {

@@ -52,6 +52,30 @@ TEST(BulkResponse, AgreesWithTheSectionsOneByOne) {
   }
 }
 
+// Sixty roots of 1e-12 rad/s or of 1e17 leave no trace of their size.
+TEST(BulkResponse, DoesNotDependOnTheUnitOfTime) {
+  std::mt19937 random(4);
+  const Sections base = random_sections(random, 60);
+  const std::vector<RadPerSecond> w = {{1e-3}, {0.2}, {30.0}, {4e3}, {5e6}};
+  std::vector<Complex> wanted(w.size()), got(w.size());
+  BulkResponse(base).responses(w, wanted);
+  for (const double unit : {1e-10, 1e-3, 1e10}) {
+    Sections other = base;
+    std::vector<RadPerSecond> at = w;
+    for (Section& one : other.sections) {
+      for (auto* roots : {&one.zeros, &one.poles}) {
+        for (Complex& root : *roots) root *= unit;
+      }
+      one.gain *=
+          std::pow(unit, static_cast<double>(one.poles.size()) - static_cast<double>(one.zeros.size()));
+    }
+    for (RadPerSecond& one : at) one.value *= unit;
+    BulkResponse(other).responses(at, got);
+    for (std::size_t i = 0; i < w.size(); ++i)
+      EXPECT_LT(std::abs(got[i] - wanted[i]), 1e-10 * std::abs(wanted[i])) << unit << " at " << w[i].value;
+  }
+}
+
 }  // namespace
 
 namespace {

@@ -69,6 +69,10 @@ TEST(ErrorFigures, EveryRecordHasAnOffsetOfItsOwn) {
   EXPECT_EQ(figures.range, 0.0);
   EXPECT_EQ(figures.rms_percent, 0.0);
   EXPECT_EQ(error_figures({}, {}).rms, 0.0);
+  // Of a record that ends before its first instant that counts, nothing does.
+  for (const std::size_t first : {4u, 5u}) sum.add(std::vector<double>{9.0, 9.0, 9.0, 9.0}, flat, first);
+  EXPECT_EQ(sum.figures().rms, figures.rms);
+  EXPECT_EQ(sum.figures().rms_free_offset, figures.rms_free_offset);
 }
 
 }  // namespace

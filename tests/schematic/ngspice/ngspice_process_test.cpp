@@ -2,10 +2,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "schematic/ngspice/ngspice_process.hpp"
 #include "temporary_folder.hpp"
 
@@ -52,6 +54,23 @@ TEST(WorkFolder, IsGoneWithItsFilesAndNeedsAPlaceForTemporaryFiles) {
   ::setenv("TMPDIR", "/nowhere/at/all", 1);
   EXPECT_THROW(WorkFolder(), InputError);
   before == nullptr ? ::unsetenv("TMPDIR") : ::setenv("TMPDIR", kept.c_str(), 1);
+}
+
+TEST(Transient, IsStraightBetweenItsInstantsWhereverItIsAskedNext) {
+  const Transient run{{0.0, 1.0, 3.0, 4.0}, {{0.0, 2.0, 6.0, -2.0}, {1.0, 1.0, 5.0, 5.0}}};
+  std::size_t place = 1;
+  for (const auto& [t, first, second] : {std::array{-1.0, 0.0, 1.0},
+                                         {0.0, 0.0, 1.0},
+                                         {0.5, 1.0, 1.0},
+                                         {1.0, 2.0, 1.0},
+                                         {2.0, 4.0, 3.0},
+                                         {3.5, 2.0, 5.0},
+                                         {9.0, -2.0, 5.0},
+                                         {0.25, 0.5, 1.0},
+                                         {2.5, 5.0, 4.0}}) {
+    EXPECT_DOUBLE_EQ(run.at(0, t, place), first) << t;
+    EXPECT_DOUBLE_EQ(run.at(1, t, place), second) << t;
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "schematic/writers/kicad/drawing.hpp"
@@ -35,6 +36,22 @@ TEST(Drawing, ThreeEndsMakeAJunction) {
   EXPECT_EQ(joined.wires.size(), 3u);
   ASSERT_EQ(joined.junctions.size(), 1u);
   EXPECT_EQ(joined.junctions[0], (Point{5, 0}));
+}
+
+// A name and a value stand beside the body, neither on it nor on one another.
+TEST(Drawing, TextsOfAPartStandBesideIt) {
+  for (const auto kind : {schematic::Part::Kind::resistor, schematic::Part::Kind::capacitor}) {
+    for (const bool horizontal : {true, false}) {
+      Drawing drawing;
+      schematic::Part part;
+      part.kind = kind;
+      drawing.part(part, {}, {0, 0}, horizontal, "a", "b");
+      const Symbol& drawn = drawing.symbols.at(0);
+      EXPECT_LT(drawn.reference_mm[1], drawn.value_mm[1] - 2.0) << "one over the other";
+      for (const double* text : {drawn.reference_mm, drawn.value_mm})
+        EXPECT_GT(std::abs(text[horizontal ? 1 : 0]), 1.8);
+    }
+  }
 }
 
 }  // namespace

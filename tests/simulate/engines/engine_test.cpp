@@ -66,6 +66,21 @@ TEST(Engines, AgreeOnADuffingResonatorTo1e9) {
   EXPECT_NEAR(y0 - 0.4 * y0 * y0 + 2.5 * y0 * y0 * y0, 0.9 * in.u[0], 1e-12);
 }
 
+// The order of a hold grows with its degree: whatever it is, finer holds come to the same.
+TEST(Engines, AgreeAtEveryDegreeOfTheHold) {
+  Chain chain{{make_block("opamp").set("gain", 2.0).set("gain_bandwidth_hz", 300.0).set("slew_rate_v_per_s", 60.0),
+               make_block("resonator")
+                   .set("natural_frequency_hz", 25.0)
+                   .set("damping_ratio", 0.2)
+                   .set("cubic", 0.5)}};
+  const auto in = record_of(201, 0.00125, two_sines);
+  const auto exact = simulate(chain, in, cvode(1e-12)).y;
+  for (const auto& [degree, allowed] : {std::pair{1U, 2e-4}, {2U, 2e-6}, {3U, 1e-7}, {4U, 1e-7}}) {
+    EXPECT_LT(max_difference(simulate(chain, in, by_record(16, Start::zero, degree)).y, exact), allowed)
+        << degree;
+  }
+}
+
 TEST(Engines, AgreeOnDrag) {
   // |y'| y' is only once differentiable: the hold's order falls where y' changes sign.
   Chain chain{{make_block("resonator")
@@ -180,6 +195,13 @@ TEST(Engines, SampleAndHoldOnItsOwnClock) {
       EXPECT_NEAR(y[i], shown < 0.0 ? 0.0 : straight(shown / 130.0), 1e-12) << i << half;
     }
     EXPECT_LT(max_difference(y, simulate(chain, in, cvode()).y), 1e-12);
+    // What has no states acts on each value that is held.
+    chain.blocks.push_back(make_block("gain").set("gain", 2.0).set("offset", 0.3));
+    chain.blocks.push_back(make_block("saturation").set("lower", -0.5).set("upper", 1.5));
+    const auto scaled = simulate(chain, in, by_record()).y;
+    for (std::size_t i = 0; i < in.size(); ++i)
+      EXPECT_NEAR(scaled[i], std::clamp(2.0 * y[i] + 0.3, -0.5, 1.5), 1e-14);
+    chain.blocks = {chain.blocks.front()};
     // Behind it a lag sees the true steps, not their samples.
     chain.blocks.push_back(make_block("lowpass").set("corner_hz", 60.0));
     EXPECT_LT(max_difference(simulate(chain, in, by_record(2)).y, simulate(chain, in, cvode(1e-12)).y), 1e-5);

@@ -329,6 +329,17 @@ TEST(References, HaveTheirShape) {
   int turns = 0;
   for (std::size_t i = 1; i < r.size(); ++i) turns += (r.u[i - 1] < 0.5) != (r.u[i] < 0.5);
   EXPECT_NEAR(turns / 2.0, (90.0 - 10.0) / std::log(9.0), 1.0);
+  // Three periods of 3 Hz are a hundred samples, a period is none: the same values hundreds of them later, steps and turns too.
+  spec.frequency = Hertz{3.0};
+  spec.step_s = 0.01;
+  spec.duration_s = 200.0;
+  for (const char* kind : {"triangle", "sine", "stair"}) {
+    spec.kind = kind;
+    r = make_reference(spec);
+    for (std::size_t i = 0; i + 100 < r.size(); ++i)
+      ASSERT_NEAR(r.u[i + 100], r.u[i], 1e-10) << kind << " " << i;
+    EXPECT_EQ(*std::max_element(r.u.begin(), r.u.end()), 1.0) << kind;
+  }
   spec.kind = "wave";
   EXPECT_THROW(make_reference(spec), InputError);
   spec.kind = "sine";

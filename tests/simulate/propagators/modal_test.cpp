@@ -112,6 +112,24 @@ TEST(ModalPropagator, PairsAndDelaysAgreeWithCvode) {
   }
 }
 
+// Without modes of their own: equal lags by the full matrix, between samples and late.
+TEST(ModalPropagator, EqualSectionsAndDelaysAgreeWithCvode) {
+  for (const double delay : {0.0, 0.006, 0.0053}) {
+    Chain chain = lowpass_row({30.0, 30.0, 30.0});
+    if (delay > 0.0) chain.blocks.push_back(make_block("delay").set("delay_s", delay));
+    chain.blocks.push_back(make_block("polynomial").set("coefficients", std::vector<double>{0.0, 1.0, 0.2}));
+    chain.blocks.push_back(make_block("lowpass").set("corner_hz", 60.0));
+    const auto in = record_of(201, 2e-3, two_sines);
+    for (const Start start : {Start::zero, Start::equilibrium}) {
+      const auto exact = simulate(chain, in, cvode(1e-11, start)).y;
+      for (const std::size_t degree : {0U, 2U, 4U}) {
+        EXPECT_LT(max_difference(simulate(chain, in, by_record(8, start, degree)).y, exact), 2e-7)
+            << delay << ", degree " << degree;
+      }
+    }
+  }
+}
+
 TEST(ModalPropagator, TheSamplesAreThoseOfAnyOtherStep) {
   Chain chain = mixed_linear_chain(0.004);
   chain.blocks.insert(chain.blocks.begin(), make_block("gain").set("gain", 1.1).set("offset", 0.2));

@@ -44,8 +44,9 @@ TEST(BoardDiagnosis, AGoodBoardIsNotAccused) {
 
 TEST(BoardDiagnosis, ACapacitorOfAnotherValueIsNamedOrTied) {
   const synthesis::Circuit circuit = small_circuit();
+  std::size_t capacitors = 0;
   for (std::size_t i = 0; i < circuit.parts.size(); ++i) {
-    if (circuit.parts[i].kind != schematic::Part::Kind::capacitor) continue;
+    if (circuit.parts[i].kind != schematic::Part::Kind::capacitor || capacitors++ % 2 != 0) continue;
     synthesis::Circuit built = drawn_parts(circuit, 7 + i);
     built.parts[i].realised *= 1.47;
     const Diagnosis d = diagnosed(circuit, built);

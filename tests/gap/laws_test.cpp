@@ -88,8 +88,7 @@ TEST(Laws, namesDoNotDependOnABillionthOfTheOutput) {
   for (const auto& missing : kMissing) {
     const auto r = records_of(kBase + missing);
     const auto usual = told(r.train, r.holdout);
-    for (unsigned draw = 0; draw < 3; ++draw)
-      EXPECT_EQ(told_of_other(r, 1.0, 1.0, 1e-9, 10 * draw), usual) << missing;
+    EXPECT_EQ(told_of_other(r, 1.0, 1.0, 1e-9, 10), usual) << missing;
   }
 }
 

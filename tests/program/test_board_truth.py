@@ -28,7 +28,7 @@ PLANS = {
         ],
         (),
     ),
-    "low pass": (design("lowpass", "--family", "butterworth", "--order", 4, "--corner-hz", 1000), (20, 3000)),
+    "low pass": (design("lowpass", "--family", "butterworth", "--order", 2, "--corner-hz", 1000), (20, 3000)),
     "high pass": (design("highpass", "--family", "butterworth", "--order", 3, "--corner-hz", 500), (50, 2000)),
     "band pass": (design("bandpass", "--family", "butterworth", "--order", 2, "--from-hz", 700, "--to-hz", 1400), (20, 3000)),
     "notch": (

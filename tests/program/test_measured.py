@@ -77,9 +77,9 @@ def test_parts_within_their_tolerances_are_not_accused_and_do_not_hide_a_wrong_o
     assert len(out["found"]) == 1 and out["found"][0].startswith("Rd3 is 8")
 
 
-@pytest.mark.parametrize("late_us", [30, 60, 100])
+@pytest.mark.parametrize("late_us", [30, 100])
 def test_a_switch_that_acts_late(built, tmp_path, late_us):
-    """.9, 1.8 and 3 samples behind each turn."""
+    """.9 and 3 samples behind each turn."""
     bench("controller", built, "--switch-late-s", late_us * 1e-6, "-o", tmp_path / "record.csv")
     out = measured(built, tmp_path / "record.csv")
     assert [name.split()[0] for name in out["found"]] == ["switch_delay"]
@@ -115,14 +115,14 @@ def test_a_capacitor_of_a_board_beside_a_circuit(tmp_path):
     (tmp_path / "points.csv").write_text("frequency_hz,gain\n" + "".join(f"{f:.6g},{g:.8g}\n" for f, g in zip(hz, gain)))
     project.write_text(
         'schema = "bodesmith.project/1"\nname = "two poles"\n[target]\npoints = "points.csv"\n[fit]\nmax_error_db = 0.01\n'
-        "[hardware.fpaa]\n[hardware.circuit]\n"
+        "[hardware.fpaa]\nclock_hz = 250e3\n[hardware.circuit]\n"
     )
     out = tmp_path / "out"
     done = run("run", project, "-o", out)
     assert done.status == 0, done.err
     plan = json.loads((out / "fpaa/plan.json").read_text())
     band = plan["error_with_delays"]["band_hz"]
-    done = run("fpaa", out / "sections.json", "--from-hz", band[0], "--to-hz", band[1], "--stream", "-o", tmp_path / "board")
+    done = run("fpaa", out / "sections.json", "--from-hz", band[0], "--to-hz", band[1], "--clock-hz", 250e3, "--stream", "-o", tmp_path / "board")
     assert done.status == 0, done.err
     bytes_of = json.loads((tmp_path / "board/plan.json").read_text())
     capacitors = [[cam["capacitors"] for chip in one["chips"] for cam in chip["cams"]] for one in (plan, bytes_of)]

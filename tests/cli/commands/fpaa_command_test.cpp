@@ -82,7 +82,7 @@ TEST(FpaaCommand, WholeController) {
   // Two parabolas; a whole disturbance is in docs/jobs/board.md.
   write_file(folder / "d.json", R"({"schema": "bodesmith.disturbance/1",
   "ascending": [0.3, -0.3, 0], "descending": [-0.2, 0.2, 0]})");
-  auto result = run_bodesmith("fpaa controller " + dir + "/d.json --track-hz 10 100 --descending " + dir +
+  auto result = run_bodesmith("fpaa controller " + dir + "/d.json --track-hz 100 --descending " + dir +
                               "/plan/plan.json -o " + dir + "/c --json");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(parse_json(result.out, "out").at("variants").size(), 3u);

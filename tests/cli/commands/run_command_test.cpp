@@ -26,12 +26,16 @@ using ::testing::Not;
 
 const std::string kProject = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/seed.toml";
 
-/// The paper's design at a given clock, which spares every alternative its search (tests/project has the clocks that are found).
+/// The paper's design at three frequencies and a given clock, which spares every alternative its search (tests/project has the clocks that are found).
 void write_with_clock(const fs::path& folder, const std::string& fpaa_percent) {
   fs::copy(fs::path(kProject).parent_path(), folder, fs::copy_options::recursive);
   std::string text = std::regex_replace(read_file(kProject), std::regex("fpaa_percent = 0.05 "),
                                         "fpaa_percent = " + fpaa_percent + " ");
   text = std::regex_replace(text, std::regex("(\\[hardware.fpaa\\]\n)"), "$1clock_hz = 2000.0\n");
+  text = std::regex_replace(text, std::regex("frequency_hz = \\[1, 10, 20, [^\\]]*"),
+                            "frequency_hz = [1, 20, 100");
+  text = std::regex_replace(text, std::regex("measured_percent = [^\\]]*"),
+                            "measured_percent = [0.98, 0.56, 0.56");
   write_file(folder / "seed.toml", text);
 }
 
@@ -103,7 +107,7 @@ TEST_F(NanopositionerRun, PlanStaysCloseToTheSections) {
 
 TEST_F(NanopositionerRun, TrackingTableKnowsEveryDesignAndSaysTheSurprise) {
   const Csv table = Csv::parse(read_file(out("tracking.csv")), "tracking.csv");
-  EXPECT_EQ(table.rows(), 7u);
+  EXPECT_EQ(table.rows(), 3u);
   for (const char* column :
        {"frequency_hz", "none_percent", "polynomial_percent", "cascade_percent", "sections_percent",
         "fpaa_percent", "fpaa_with_holds_percent", "circuit_percent"}) {
@@ -117,7 +121,7 @@ TEST_F(NanopositionerRun, TrackingTableKnowsEveryDesignAndSaysTheSurprise) {
   EXPECT_LT(table.column("self_fed_percent")[0], 0.01);
   // Magnitude-only compensation turns the phase: worse than the fixed polynomial at 100 Hz, and the program
   // says so.
-  EXPECT_GT(table.column("cascade_percent")[6], table.column("polynomial_percent")[6]);
+  EXPECT_GT(table.column("cascade_percent")[2], table.column("polynomial_percent")[2]);
   EXPECT_THAT(read_file(out("summary.txt")), HasSubstr("worse"));
 }
 
@@ -153,8 +157,6 @@ TEST_F(NanopositionerRun, ReportRendersInABrowser) {
   ASSERT_EQ(bytes.substr(1, 3), "PNG");
   // A blank page of this size packs to some 20 kB.
   EXPECT_GT(bytes.size(), 150000u);
-  const ProgramResult dom = run_shell("timeout 120 " + flags + "--dump-dom " + page);
-  EXPECT_THAT(dom.out, HasSubstr("</svg>"));
 }
 
 // What the page says of every alternative is what run.json says.
@@ -203,16 +205,26 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
   EXPECT_NEAR(csv.column("gains_magnitude_db")[40], to_decibel(1.17), 1e-12);
 }
 
-TEST_F(NanopositionerRun, ASecondRunWritesTheSameBytesButForTimes) {
-  const TemporaryFolder other;
-  ASSERT_EQ(run_bodesmith("run " + project() + " -o " + (other / "out").string()).status, 0);
+// Boards have LastBits and SameBytes: without one.
+TEST(Run, ASecondRunWritesTheSameBytesButForTimes) {
+  const TemporaryFolder folder;
+  write_with_clock(folder / "p", "1.2");
+  std::string project_text = read_file(folder / "p/seed.toml");
+  for (const char* line :
+       {"\\[hardware.fpaa\\]\n", "clock_hz = 2000.0\n", "board = [^\n]*\n", "fpaa_percent = [^\n]*\n"})
+    project_text = std::regex_replace(project_text, std::regex(line), "");
+  write_file(folder / "p/seed.toml", project_text);
+  for (const char* out : {"one", "two"})
+    ASSERT_EQ(
+        run_bodesmith("run " + (folder / "p/seed.toml").string() + " -o " + (folder / out).string()).status,
+        0);
   int compared = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(out(""))) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "one")) {
     if (!entry.is_regular_file()) continue;
     const auto without_times = [](const std::string& text) {
       return std::regex_replace(text, std::regex("\"timing_s\": \\{[^}]*\\}"), "");
     };
-    const fs::path twin = other / "out" / fs::relative(entry.path(), out(""));
+    const fs::path twin = folder / "two" / fs::relative(entry.path(), folder / "one");
     ASSERT_TRUE(fs::exists(twin)) << twin;
     EXPECT_TRUE(without_times(read_file(entry.path())) == without_times(read_file(twin))) << entry.path();
     ++compared;

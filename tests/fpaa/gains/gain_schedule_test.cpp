@@ -87,6 +87,35 @@ TEST(GainSchedule, EveryFrequencyIsServedWithinHalfAStep) {
   EXPECT_LT(worst_gain(plain.branches[0].better_at_one, plain.branches[1].better_at_one), 1.7e-3);
 }
 
+TEST(GainSchedule, SetsShareWhatLiesBetweenThemAndAreKeptALittleLonger) {
+  const std::vector<GainSet> sets = both_branches().sets;
+  ASSERT_GT(sets.size(), 2U);
+  EXPECT_EQ(sets.front().from.value, 0.0);
+  EXPECT_EQ(sets.front().keep_from.value, 0.0);
+  EXPECT_GT(sets.back().to.value, 1e9);
+  for (std::size_t i = 0; i + 1 < sets.size(); ++i) {
+    const double low = std::log(sets[i].frequency.value), high = std::log(sets[i + 1].frequency.value);
+    EXPECT_NEAR(std::log(sets[i].to.value), 0.5 * (low + high), 1e-9);
+    EXPECT_NEAR(std::log(sets[i + 1].from.value), 0.5 * (low + high), 1e-9);
+    EXPECT_NEAR(std::log(sets[i].keep_to.value), 0.25 * low + 0.75 * high, 1e-9);
+    EXPECT_NEAR(std::log(sets[i + 1].keep_from.value), 0.75 * low + 0.25 * high, 1e-9);
+  }
+}
+
+TEST(GainSchedule, WhatRatiosDoNotMakeIsSaid) {
+  const auto refusal = [](const char* place) -> std::string {
+    try {
+      make_gain_schedule(rated({1.0, 2.0, 3.0}, {1.0, 1.0, 1.0}), {gain_branch(ascending, place)}, {},
+                         "d.json");
+    } catch (const DesignError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal("FPAA1.Sum:Cin1/200"), HasSubstr("1 to 255 units over 200 do not make"));
+  EXPECT_EQ(refusal("FPAA1.Up"), "");
+}
+
 TEST(GainSchedule, StreamsSetBothCapacitorsOfBothChips) {
   const GainSchedule schedule = both_branches();
   const GainSet& set = schedule.sets.back();

@@ -21,6 +21,26 @@ TEST(ErrorBudget, PartsOfTheSeedsPlan) {
   EXPECT_NEAR(plan.max_input_v * std::max(1.0, budget.cams[0].peak_node_gain), 3.0, 1.5);
 }
 
+// One board that is told of other capacitors again and again, and one that is made of them.
+TEST(SwitchedBoard, KnowsNothingOfTheCapacitorsItHadBefore) {
+  const Plan& plan = seed_plan();
+  SwitchedBoard moved(plan);
+  std::vector<double> units = moved.nominal_units();
+  const RadPerSecond w = Hertz{30.0}.rad_s();
+  const std::complex<double> nominal = moved.gain(w);
+  for (std::size_t c = 0; c < units.size(); ++c) {
+    units[c] += c % 2 == 0 ? 3.0 : -2.0;
+    moved.set_units(units);
+    if (c % 5 != 0) continue;
+    SwitchedBoard fresh(plan);
+    fresh.set_units(units);
+    EXPECT_EQ(moved.gain(w), fresh.gain(w)) << moved.names()[c];
+    EXPECT_NE(moved.gain(w), nominal);
+  }
+  moved.set_units(moved.nominal_units());
+  EXPECT_EQ(moved.gain(w), nominal);
+}
+
 TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
   Plan plan;
   plan.board = "an231k04-quad4";

@@ -114,6 +114,11 @@ TEST(UpdateStream, CArraysReadBack) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].bytes, bytes);
   EXPECT_EQ(found[0].name, "u.c: update_chip1");
+  // Nor are others before it, of whatever numbers and words.
+  const std::string others = "const int table[] = { 7, 8 };\nconst int mixed[] = { 0xD5, SIZE };\n";
+  const std::vector<FoundStream> again = find_streams(others + source, "u.c");
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0].bytes, bytes);
 }
 
 TEST(UpdateStream, CCallsSetEveryCapacitorByItsPlaceInTheTable) {

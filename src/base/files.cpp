@@ -12,6 +12,7 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <system_error>
 
@@ -151,7 +152,11 @@ std::string read_file(const fs::path& path) {
   const auto fail = [&](const char* what) {
     throw InputError(path.string(), 0, std::string(what) + ": " + std::strerror(errno));
   };
-  last_read() = path;
+  {
+    static std::mutex mutex;  // what several ngspice runs wrote is read at once
+    const std::lock_guard<std::mutex> lock(mutex);
+    last_read() = path;
+  }
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(open_to_read(path), &std::fclose);
   if (in == nullptr) fail("cannot be read");
   std::string text;

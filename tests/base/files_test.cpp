@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <thread>
+#include <vector>
 
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
@@ -28,6 +32,28 @@ TEST(Files, NothingIsWrittenWhenOneFileCannotBe) {
   int entries = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
   EXPECT_EQ(entries, 2) << "a temporary file was left behind";
+}
+
+// As `run` does with what ngspice wrote at several frequencies.
+TEST(Files, SeveralThreadsReadAtOnce) {
+  const TemporaryFolder folder;
+  std::vector<std::filesystem::path> names;
+  for (const char* name :
+       {"one", "a folder of a long name/another of a longer one/two", "a folder of a long name/three"}) {
+    names.push_back(folder / name);
+    write_file(names.back(), name);
+  }
+  std::vector<std::thread> readers;
+  std::atomic<int> wrong = 0;
+  for (const auto& name : names) {
+    readers.emplace_back([&wrong, &name] {
+      const std::string known = read_file(name);
+      for (int i = 0; i < 12000; ++i) wrong += read_file(name) == known ? 0 : 1;
+    });
+  }
+  for (std::thread& reader : readers) reader.join();
+  EXPECT_EQ(wrong, 0);
+  EXPECT_NE(std::find(names.begin(), names.end(), last_file_read()), names.end());
 }
 
 TEST(Files, CommitMakesTheFolder) {

@@ -214,10 +214,11 @@ TEST(Run, ASecondRunWritesTheSameBytesButForTimes) {
        {"\\[hardware.fpaa\\]\n", "clock_hz = 2000.0\n", "board = [^\n]*\n", "fpaa_percent = [^\n]*\n"})
     project_text = std::regex_replace(project_text, std::regex(line), "");
   write_file(folder / "p/seed.toml", project_text);
-  for (const char* out : {"one", "two"})
-    ASSERT_EQ(
-        run_bodesmith("run " + (folder / "p/seed.toml").string() + " -o " + (folder / out).string()).status,
-        0);
+  for (const char* out : {"one", "two"}) {
+    const ProgramResult result =
+        run_bodesmith("run " + (folder / "p/seed.toml").string() + " -o " + (folder / out).string());
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
   int compared = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder / "one")) {
     if (!entry.is_regular_file()) continue;

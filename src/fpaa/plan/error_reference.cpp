@@ -49,9 +49,17 @@ Band judged_band(const Sections& sections) {
       }
     }
   }
-  // One corner is no band.
+  // One corner is no band: a decade of what passes, an octave of what falls off (a decade of which is a millionth at order 6).
   if (corners.to.value < 2.0 * corners.from.value) {
-    return {{corners.from.value / 10.0}, {corners.to.value * 2.0}};
+    bool passes_low = true;
+    std::size_t poles = 0, zeros = 0;
+    for (const Section& section : sections.sections) {
+      poles += section.poles.size();
+      zeros += section.zeros.size();
+      if (std::ranges::count(section.zeros, std::complex<double>(0.0)) > 0) passes_low = false;
+    }
+    return {{corners.from.value / (passes_low ? 10.0 : 2.0)},
+            {corners.to.value * (poles > zeros ? 2.0 : 10.0)}};
   }
   return corners;
 }

@@ -5,6 +5,7 @@ nothing else; its equations are its own (nodes solved by elimination, Runge-Kutt
     bench.py circuit RUN -o bode.csv [PART=FACTOR ...]
         frequency response of RUN/spice/compensator.sub, one-pole op-amps
     bench.py controller RUN -o record.csv [PART=FACTOR ...] [--amplifier-hz F] [--switch-late-s T] [--frequency-hz F]
+               [--stage-falling K] [--stage-bend B] [--resonance-hz F]
         RUN/controller/controller.sub in front of the nanopositioner: a full-stroke triangle and the displacement
 
 PART=FACTOR solders another value: R2_1=1.1 is ten percent too much.
@@ -205,8 +206,9 @@ def controller(arguments, changed):
                 return ka + (kb - ka) * math.log(f / a) / math.log(b / a)
         return table[0] if f < at[0] else table[-1]
 
-    gain = {True: rate("ascending"), False: rate("descending")}
-    shape = {True: disturbance["ascending"], False: disturbance["descending"]}
+    gain = {True: rate("ascending"), False: rate("descending") * arguments.stage_falling}
+    bend = arguments.stage_bend  # of the rising curve: + bend (x - 2 x^2 + x^3), which leaves both ends at zero
+    shape = {True: [a + bend * b for a, b in zip(disturbance["ascending"], (1.0, -2.0, 1.0))], False: disturbance["descending"]}
 
     def bent(x, rising):
         a = shape[rising]
@@ -215,7 +217,7 @@ def controller(arguments, changed):
     # amplifier, disturbance by the slope of the drive that arrives, damping compensator, resonance.
     corner = 2.0 * math.pi * arguments.amplifier_hz
     z1, z0, p1, p0 = 9.854e4, 1.67e11, 1.917e5, 1.436e11
-    wn, zeta = 2.0 * math.pi * 65.1e3, 0.1206
+    wn, zeta = 2.0 * math.pi * arguments.resonance_hz, 0.1206
 
     def slopes(state, v, rising):
         x, a, b, q, dq = state
@@ -270,6 +272,9 @@ def main():
     parser.add_argument("--amplifier-hz", type=float, default=100e3)
     parser.add_argument("--switch-late-s", type=float, default=0.0)
     parser.add_argument("--frequency-hz", type=float, default=100.0)
+    parser.add_argument("--stage-falling", type=float, default=1.0, help="times the gain of its falling curve")
+    parser.add_argument("--stage-bend", type=float, default=0.0, help="of its rising curve")
+    parser.add_argument("--resonance-hz", type=float, default=65.1e3)
     parser.add_argument("--from-hz", type=float, default=0.1)
     parser.add_argument("--to-hz", type=float, default=10e3)
     arguments = parser.parse_intermixed_args()

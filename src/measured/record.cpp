@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "base/documents/json.hpp"
@@ -150,25 +151,76 @@ bool the_rest_is_tolerances(gap::Diagnosis& d, const TimeRecord& record, double 
   return true;
 }
 
+/// A stage's curves: polynomials that are no circuit's.
+bool has_curves_of_a_stage(const Block& block) {
+  return !block.parts && !block.polynomials().empty();
+}
+
+/// With the stage's curves to be found anew.
+Chain with_free_curves(Chain chain) {
+  for (Block& block : chain.blocks) {
+    if (!has_curves_of_a_stage(block)) continue;
+    for (const chain::PolynomialList& list : block.polynomials()) block.free(list.key);
+  }
+  return chain;
+}
+
+/// What was found, and the model that it was found from.
+struct Found {
+  Chain base;
+  gap::Diagnosis diagnosis;
+};
+
 /// Names are looked for as long as good parts and noise do not explain the rest, one first: one thing is wrong with what was
-/// built far more often than two. 0: nothing is.
-gap::Diagnosis diagnosed(const Chain& built, const TimeRecord& record, const gap::Study& study,
-                         const gap::SearchOptions& options) {
-  gap::Diagnosis out;
-  for (const int terms : {0, 1, options.max_terms}) {
+/// built far more often than two. 0: nothing is. A stage is what its records were some time ago: before two things are wrong, or
+/// a multiplier where it has none, its curves are others.
+Found diagnosed(const Chain& built, const TimeRecord& record, const gap::Study& study,
+                const gap::SearchOptions& options) {
+  Found out{built, {}};
+  const auto explains = [&](const Chain& base, int terms) {
     gap::SearchOptions asked = options;
     asked.max_terms = terms;
-    out = gap::diagnose(built, study, asked);
-    const double noise = noise_of(out);
-    const bool nothing = noise > 0.0 && good_parts_explain(built, record, noise);
-    if (nothing || (noise > 0.0 && the_rest_is_tolerances(out, record, noise))) {
-      out.verdict = nothing ? gap::Verdict::nothing_missing : gap::Verdict::explained;
-      out.advice.clear();
-      break;
+    gap::Diagnosis d = gap::diagnose(base, study, asked);
+    const double noise = noise_of(d);
+    const bool nothing = noise > 0.0 && terms == 0 && good_parts_explain(built, record, noise);
+    const bool all = nothing || (noise > 0.0 && the_rest_is_tolerances(d, record, noise));
+    if (all) {
+      d.verdict = nothing ? gap::Verdict::nothing_missing : gap::Verdict::explained;
+      d.advice.clear();
     }
-    if (terms == options.max_terms) break;
-  }
+    out = {base, std::move(d)};
+    return all;
+  };
+  const auto of_the_stage = [&] {
+    const auto& steps = out.diagnosis.steps;
+    return std::any_of(built.blocks.begin(), built.blocks.end(), [&](const Block& block) {
+      return has_curves_of_a_stage(block) && std::any_of(steps.begin(), steps.end(), [&](const auto& step) {
+               return step.effect == "multiplier_error" && step.part == block.part;
+             });
+    });
+  };
+  if (explains(built, 0) || (explains(built, 1) && !of_the_stage())) return out;
+  if (std::any_of(built.blocks.begin(), built.blocks.end(), has_curves_of_a_stage) &&
+      explains(with_free_curves(built), 0))
+    return out;
+  explains(built, options.max_terms);
   return out;
+}
+
+/// By how much a stage's curves went from those before, at most, in percent of a full stroke: "3.1 % (ascending)".
+std::string moved_curves(const Block& before, const Block& now) {
+  std::vector<std::string> out;
+  for (const chain::PolynomialList& list : before.polynomials()) {
+    const std::vector<double> a = before.list(list.key), b = now.list(list.key);
+    double most = 0.0;
+    for (int k = 0; k <= 100; ++k) {
+      double power = list.first == 0 ? 0.01 * k : 1.0, difference = 0.0;
+      for (std::size_t i = 0; i < a.size(); ++i, power *= 0.01 * k) difference += (b[i] - a[i]) * power;
+      most = std::max(most, 100.0 * std::abs(difference));
+    }
+    out.push_back(fmt::format("{} % of a full stroke ({})", rounded_text(most, 2), list.key));
+  }
+  return join(out, ", ");
 }
 
 /// What became of the base model's free parameters that the record cannot do without.
@@ -178,6 +230,16 @@ void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& rec
   for (std::size_t at = 0; at < found.size(); ++at) {
     if (!found.is_base(at)) continue;
     const Block& before = base.blocks[static_cast<std::size_t>(found.base_number(at) - 1)];
+    if (has_curves_of_a_stage(before)) {
+      if (std::any_of(before.parameters().begin(), before.parameters().end(),
+                      [](const chain::Parameter& p) { return p.free; })) {
+        out.found.push_back(fmt::format("{}: its curves are others than the project's, by up to {}",
+                                        before.part, moved_curves(before, found.at(at))));
+        out.advice +=
+            "A generator that is as much off does the same: a record of the drive, or of the stage alone, tells them apart. ";
+      }
+      continue;
+    }
     for (std::size_t k = 0; k < before.parameters().size(); ++k) {
       const chain::Parameter& p = before.parameters()[k];
       if (!p.free) continue;
@@ -185,9 +247,14 @@ void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& rec
       back.block(found.id_at(at)).parameters()[k].value = p.value;
       if (error_figures(output(back.chain(), record), record.y).rms < kMoved * left) continue;
       const double now = found.at(at).parameters()[k].value;
-      const std::string words =
+      std::string words =
           fmt::format("{}: {} is {} instead of {}", before.part, gap::parameter_words(p.name()),
                       gap::parameter_text(p.name(), now), gap::parameter_text(p.name(), p.value));
+      // Between samples a pole is a lag, and any other of the stage's poles is one too.
+      if (const double lag_s = (1.0 / now - 1.0 / p.value) / (2.0 * std::numbers::pi);
+          p.unit() == "Hz" && std::abs(lag_s) < record.step_s)
+        words +=
+            fmt::format(", or another of the stage's poles: {} more of lag", engineering_text(lag_s, "s", 3));
       if (noise_rms > 0.0 && good_parts_explain(back.chain(), record, noise_rms)) {
         out.advice += "Perhaps " + words + ": parts within their tolerances do as much. ";
         continue;
@@ -198,6 +265,16 @@ void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& rec
   }
 }
 
+/// "after block 7" is "after block 7, stroke_m".
+std::string with_names_of_blocks(std::string words, const Chain& base) {
+  constexpr std::string_view kBlock = "block ";
+  const std::size_t at = words.find(kBlock);
+  if (at == std::string::npos) return words;
+  const std::size_t digits = at + kBlock.size(), end = words.find_first_not_of("0123456789", digits);
+  const auto number = static_cast<std::size_t>(std::stoul(words.substr(digits)));
+  return words.insert(end, ", " + base.blocks.at(number - 1).part);
+}
+
 /// What each step of the diagnosis accuses; a part within its tolerance is not wrong. Returns the part that is, if one is.
 std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeRecord& record,
                       const Period& period, Measured& out, OutputSet& files) {
@@ -205,11 +282,11 @@ std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeReco
   for (const gap::DiagnosedStep& step : d.steps) {
     const std::string sure = fmt::format(" (probability {})", rounded_text(step.among_names, 2));
     if (step.among_names < kAccused) {
-      out.advice += "Perhaps " + gap::step_in_words(step) + sure + ". ";
+      out.advice += "Perhaps " + with_names_of_blocks(gap::step_in_words(step), base) + sure + ". ";
       continue;
     }
     if (step.effect != "part_value") {
-      out.found.push_back(gap::step_in_words(step) + sure);
+      out.found.push_back(with_names_of_blocks(gap::step_in_words(step), base) + sure);
       continue;
     }
     const std::vector<Suspect> suspects =
@@ -220,7 +297,7 @@ std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeReco
       continue;
     }
     exchange = step.part;
-    out.found.push_back(suspects.front().words() + sure);
+    out.found.push_back(suspects.front().words() + (suspects.size() == 1 ? sure : ""));
     if (suspects.size() == 1) continue;
     std::vector<std::string> others;
     for (const Suspect& one : suspects) out.tied.push_back(one.part);
@@ -230,7 +307,8 @@ std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeReco
     const auto other =
         period.frequency ? separating_record(base, suspects, record, period.frequency->value) : std::nullopt;
     if (!other || noise_of(d) <= 0.0 || !(other->rms > kTells * noise_of(d))) {
-      out.advice += "No record of this shape tells those parts apart: an ohmmeter does. ";
+      out.advice +=
+          "No record of this shape tells those apart: an ohmmeter does, and a record of the stage alone. ";
       continue;
     }
     out.advice += fmt::format(
@@ -301,7 +379,7 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
   const double range = built.gap.range;
   out.gap_percent = built.gap.rms_percent;
   const auto study = gap::Study::of(std::vector<TimeRecord>{record}, {}, built.chain);
-  const gap::Diagnosis found = diagnosed(built.chain, record, study, options);
+  const auto [base, found] = diagnosed(built.chain, record, study, options);
   const double noise = noise_of(found);
   out.noise_percent = 100.0 * noise / range;
   out.verdict = gap::to_string(found.verdict);
@@ -309,13 +387,13 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
   std::string exchange;
   if (!found.advice.empty()) out.advice = found.advice + " ";
   if (found.verdict != gap::Verdict::nothing_missing) {
-    exchange = add_steps(found, built.chain, record, period, out, measured);
-    add_moved(found.search.final, built.chain, record, noise, out, corner_hz);
+    exchange = add_steps(found, base, record, period, out, measured);
+    add_moved(found.search.final, base, record, noise, out, corner_hz);
   } else if (noise > 0.0 && out.gap_percent > kMoved * out.noise_percent) {
     out.advice += "Parts within their tolerances make as much of a difference. ";
   }
   out.advice = std::string(trim(out.advice));
-  const Chain as_built = gap::found_model(found, built.chain);
+  const Chain as_built = gap::found_model(found, base);
   const std::vector<double> y = output(as_built, record);
   out.left_percent = error_figures(y, record.y).rms_percent;
 
@@ -328,7 +406,7 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
   table.add("predicted", built.y);
   table.add("with_what_was_found", y);
   measured.add("comparison.csv", table.text());
-  gap::add_diagnosis_files(found, study, built.chain, out.from, measured);
+  gap::add_diagnosis_files(found, study, base, out.from, measured);
   if (!out.wrong()) return out;
 
   GapPicture picture{"time, s",
@@ -347,9 +425,14 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
                                    rounded_text(corner_hz, 4)));
   }
   if (!exchange.empty())
-    out.next.push_back(out.tied.empty() ? "exchange " + exchange
-                                        : "exchange whichever it is of " + join(out.tied, ", "));
-  if (built.of != "the stage") {
+    out.next.push_back(out.tied.empty()
+                           ? "exchange " + exchange
+                           : "exchange, or identify anew, whichever it is of " + join(out.tied, ", "));
+  const std::size_t mended = (corner_hz > 0.0 ? 1U : 0U) + (exchange.empty() ? 0U : 1U);
+  if (out.found.size() > mended) {
+    out.next.emplace_back(
+        "what no exchange mends is to be identified and designed again: identify --disturbance, run");
+  } else if (built.of != "the stage") {
     Prediction again = built;
     Provenance aside;
     again.chain = chain::read_model(designed / "model.toml", aside);

@@ -1,5 +1,7 @@
 #include "measured/suspects.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -48,6 +50,17 @@ bool has_parts(const chain::Block& block) {
   return block.parts != nullptr;
 }
 
+/// Gains of a stage that records identified are right to this: percent.
+constexpr double kStageGain = 1.0;
+
+/// The stage's block with one of its curves times that: its gain at the record's frequency.
+chain::Block with_curve_times(chain::Block block, const chain::PolynomialList& curve, double times) {
+  std::vector<double> values = block.list(curve.key);
+  for (double& value : values) value *= times;
+  block.set(curve.key, values);
+  return block;
+}
+
 }  // namespace
 
 bool Suspect::within_tolerance() const {
@@ -64,7 +77,8 @@ std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& 
                                  double departure, const TimeRecord& record) {
   const chain::Block& good = *std::find_if(base.blocks.begin(), base.blocks.end(), has_parts);
   chain::Chain without = found;
-  chain::Block& block = *std::find_if(without.blocks.begin(), without.blocks.end(), has_parts);
+  const auto place = std::find_if(without.blocks.begin(), without.blocks.end(), has_parts);
+  chain::Block& block = *place;
   block = good;
   const Vector y = as_eigen(record.y);
   const Vector plain = shown_by(without, record);
@@ -73,6 +87,14 @@ std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& 
   const double most =
       (y - shown_by(found, record)).norm() * std::exp(kOdds / static_cast<double>(record.size()));
   std::vector<Suspect> out;
+  // How much of what is shown for a departure of `small` explains the record, where it does.
+  const auto times_that_explain = [&](double small) -> std::optional<double> {
+    const Vector direction = shown_by(without, record) - plain;
+    if (!(direction.squaredNorm() > 0.0)) return std::nullopt;
+    const double times = direction.dot(unexplained) / direction.squaredNorm();
+    if ((unexplained - times * direction).norm() > most) return std::nullopt;
+    return times * small;
+  };
   for (const chain::PartChange& one : *good.parts) {
     if (one.part == part) {
       out.insert(out.begin(), {one.part, one.unit, departure, one.tolerance});
@@ -80,15 +102,25 @@ std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& 
     }
     const double small = one.is_offset() ? kSmall * one.tolerance : kSmall;
     block = good.with(one, small);
-    const Vector direction = shown_by(without, record) - plain;
-    if (!(direction.squaredNorm() > 0.0)) continue;
-    const double times = direction.dot(unexplained) / direction.squaredNorm();
-    if ((unexplained - times * direction).norm() > most) continue;
-    const double t = departure_of(one, times * small);
+    const auto linear = times_that_explain(small);
+    if (!linear) continue;
+    const double t = departure_of(one, *linear);
     if (std::abs(t) > one.most()) continue;
     out.push_back({one.part, one.unit, t, one.tolerance});
   }
-  std::stable_sort(out.begin() + 1, out.end(), [](const Suspect& a, const Suspect& b) {
+  block = good;
+  // A stage whose gain is another one does as much as a generator whose gain is.
+  for (auto stage = place + 1; stage != without.blocks.end(); ++stage) {
+    const chain::Block measured_before = *stage;
+    for (const chain::PolynomialList& curve : measured_before.polynomials()) {
+      *stage = with_curve_times(measured_before, curve, 1.0 + 0.01 * kSmall);
+      if (const auto t = times_that_explain(kSmall))
+        out.push_back({fmt::format("{}: gain of its {} curve", measured_before.part, curve.key), "percent",
+                       *t, kStageGain});
+    }
+    *stage = measured_before;
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Suspect& a, const Suspect& b) {
     return std::abs(a.departure) / a.tolerance < std::abs(b.departure) / b.tolerance;
   });
   return out;
@@ -110,12 +142,14 @@ std::optional<Separating> separating_record(const chain::Chain& base, const std:
     for (const Suspect& one : suspects) {
       const auto part = std::find_if(good.parts->begin(), good.parts->end(),
                                      [&](const chain::PartChange& p) { return p.part == one.part; });
+      if (part == good.parts->end()) continue;  // a stage's gain there is another one
       *block = good.with(*part, one.departure);
       for (chain::Block& any : chain.blocks) {
         if (any.has("operating_hz")) any.set("operating_hz", f);
       }
       shown.push_back(shown_by(chain, other));
     }
+    if (shown.size() < 2) return std::nullopt;
     Separating here{f, std::numeric_limits<double>::infinity()};
     for (std::size_t i = 0; i < shown.size(); ++i) {
       for (std::size_t k = 0; k < i; ++k)

@@ -77,6 +77,25 @@ def test_parts_within_their_tolerances_are_not_accused_and_do_not_hide_a_wrong_o
     assert len(out["found"]) == 1 and out["found"][0].startswith("Rd3 is 8")
 
 
+@pytest.mark.parametrize("stage, words", [
+    (("--stage-falling", 1.08), "stage: its curves"),
+    (("--stage-bend", 0.06), "stage: its curves"),
+    (("--resonance-hz", 3e3), "resonance (after block 7, stroke_m)"),
+])
+def test_a_stage_that_is_another_one(built, tmp_path, stage, words):
+    """No part of the controller is accused, and no multiplier where the stage has none."""
+    bench("controller", built, *stage, "-o", tmp_path / "record.csv")
+    out = measured(built, tmp_path / "record.csv")
+    assert len(out["found"]) == 1 and out["found"][0].startswith(words) and out["tied"] == []
+    # The noise of the bench is 2e-5 of the stroke.
+    assert out["gap_percent"]["with_what_was_found"] == pytest.approx(0.002, rel=0.15)
+    # Nothing that was soldered mends it, so nothing is foretold.
+    assert "tracking_percent" not in out["next"] and "designed again" in out["next"]["what"][0]
+    if "curves" in words:
+        percent = float(out["found"][0].split("by up to ")[1].split()[0 if "--stage-bend" in stage else 7])
+        assert percent == pytest.approx({"--stage-bend": 0.06 * 4 / 27 * 100, "--stage-falling": 0.64}[stage[0]], rel=0.03)
+
+
 @pytest.mark.parametrize("late_us", [30, 100])
 def test_a_switch_that_acts_late(built, tmp_path, late_us):
     """.9 and 3 samples behind each turn."""

@@ -103,6 +103,63 @@ TEST(Where, tellsOutputsApartFromInputs) {
   EXPECT_GT(amplitude(true)->share, 0.9);
 }
 
+/// The cell of an axis, empty where that axis tells nothing.
+Cell on(const std::vector<Cell>& cells, Axis axis) {
+  const auto found =
+      std::find_if(cells.begin(), cells.end(), [&](const Cell& c) { return c.axis == axis && !c.of_output; });
+  return found == cells.end() ? Cell{axis, NAN, NAN, 0.0, 0.0} : *found;
+}
+
+// A triangle of 100 samples a period: its way down, its ends, one harmonic of its period.
+TEST(Where, namesTheBranchTheAmplitudesAndTheHarmonic) {
+  bodesmith::TimeRecord record;
+  record.step_s = 1e-2;
+  for (int i = 0; i < 2000; ++i)
+    record.u.push_back(i % 100 < 50 ? i % 100 / 25.0 - 1.0 : 3.0 - i % 100 / 25.0);
+  std::vector<double> falling(2000, 0.0), high(2000, 0.0), third(2000, 0.0);
+  for (std::size_t i = 1; i < 2000; ++i) {
+    falling[i] = record.u[i] < record.u[i - 1] ? 1.0 : 0.1;
+    high[i] = record.u[i] > 0.7 ? 1.0 : 0.0;
+    third[i] = std::sin(6.0 * std::numbers::pi * static_cast<double>(i) / 100.0);
+  }
+  const Cell down = on(where(record, falling, 0, 100), Axis::branch);
+  EXPECT_EQ(down.from, -1.0);
+  EXPECT_EQ(down.to, -1.0);
+  EXPECT_NEAR(down.share, 1.0 / 1.01, 2e-3);
+  EXPECT_NEAR(down.extent, 0.5, 2e-3);
+  EXPECT_EQ(to_text(down), "while the input is falling (99 % of it)");
+  const Cell top = on(where(record, high, 0, 100), Axis::amplitude);
+  EXPECT_NEAR(top.from, 0.7, 1e-9);
+  EXPECT_NEAR(top.to, 1.0, 1e-9);
+  EXPECT_NEAR(top.share, 1.0, 1e-9);
+  EXPECT_NEAR(top.extent, 0.15, 0.02);
+  const Cell harmonic = on(where(record, third, 0, 100), Axis::harmonic);
+  EXPECT_EQ(harmonic.from, 3.0);
+  EXPECT_EQ(harmonic.to, 3.0);
+  EXPECT_NEAR(harmonic.extent, 1.0 / 51.0, 1e-9);
+  // Counted from where the record settles, and in another unit, it is the same.
+  for (double& u : record.u) u = 5.0 + 1e3 * u;
+  EXPECT_NEAR(on(where(record, high, 500, 100), Axis::amplitude).from, 5.0 + 1e3 * 0.7, 1e-6);
+}
+
+TEST(Where, ofAResponseIsWidenedUntilItHoldsHalf) {
+  FrequencyRecord record;
+  std::vector<double> residual;
+  const std::vector<double> size = {0.1, 0.1, 1.5, 1.6, 0.1, 1.4, 0.1, 0.1};
+  for (std::size_t i = 0; i < size.size(); ++i) {
+    record.frequency.push_back(Hertz{10.0 * static_cast<double>(i + 1)});
+    residual.push_back(0.6 * size[i]);
+    residual.push_back(-0.8 * size[i]);
+  }
+  const std::vector<Cell> cells = where(record, residual);
+  ASSERT_EQ(cells.size(), 1U);
+  EXPECT_EQ(cells[0].from, 30.0);
+  EXPECT_EQ(cells[0].to, 60.0);
+  EXPECT_NEAR(cells[0].extent, 0.5, 1e-12);
+  EXPECT_NEAR(cells[0].share,
+              (1.5 * 1.5 + 1.6 * 1.6 + 1.4 * 1.4 + 0.01) / (1.5 * 1.5 + 1.6 * 1.6 + 1.4 * 1.4 + 0.05), 1e-12);
+}
+
 TEST(Where, findsTheFrequencyOfATone) {
   bodesmith::TimeRecord record;
   record.step_s = 1e-3;

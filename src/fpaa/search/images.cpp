@@ -59,7 +59,7 @@ Complex line_of(const DesignResponse& response, std::size_t at, double w, double
         if (own < period) {
           const double turns = std::round(half / own);
           const double turn = std::remainder(-away * own, 2.0 * std::numbers::pi);
-          const Complex sum = std::polar(size_of_turns(turn, turns), 0.5 * (turns - 1.0) * turn);
+          const Complex sum = size_of_turns(turn, turns) * std::polar(1.0, 0.5 * (turns - 1.0) * turn);
           in.first = product(in.first + in.second, sum) * (own / period);
           in.second = product(in.first, std::polar(1.0, -away * half));
         }

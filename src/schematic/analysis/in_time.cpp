@@ -198,11 +198,11 @@ InTime::~InTime() = default;
 void InTime::begin(double t, const std::map<std::string, double>& volts) {
   Implementation& it = *implementation_;
   it.state.assign(static_cast<std::size_t>(it.equations.unknowns()), 0.0);
-  for (const auto& [node, value] : volts) it.state[static_cast<std::size_t>(it.equations.node(node))] = value;
-  for (const Source& one : it.netlist.sources) {
-    if (const int at = it.equations.node(one.node); at >= 0)
-      it.state[static_cast<std::size_t>(at)] = one.volts;
-  }
+  const auto set = [&it](const std::string& node, double value) {
+    if (const int at = it.equations.node(node); at >= 0) it.state[static_cast<std::size_t>(at)] = value;
+  };
+  for (const auto& [node, value] : volts) set(node, value);
+  for (const Source& one : it.netlist.sources) set(one.node, one.volts);
   it.begun = t;
 }
 

@@ -61,7 +61,7 @@ struct DrawnStage {
     for (int i = 0; i <= turns * per_turn; ++i) {
       const double t = i * step;
       out.u.push_back(low + (high - low) * drive(t));
-      const double at = std::max(0.0, (t - delay_s) / h);
+      const double at = std::clamp((t - delay_s) / h, 0.0, static_cast<double>(heard.size() - 1));
       const auto k = static_cast<std::size_t>(at);
       const double part = at - static_cast<double>(k);
       const double y = heard[k] + (part > 0.0 ? part * (heard[k + 1] - heard[k]) : 0.0);

@@ -196,17 +196,18 @@ TEST(Trim, HelpsPlansOfSeveralClocksToo) {
 }
 
 TEST(Trim, FewFrequenciesAndMagnitudesAloneHelpToo) {
-  const BlindResult few = blind_boards(seed_plan(), {.points = 5, .seed = 2000});
+  const BlindResult few = blind_boards(seed_plan(), {.boards = 5, .points = 5, .seed = 2000});
   EXPECT_LT(few.after_95, 0.25 * few.before_95);
   EXPECT_EQ(few.worse, 0);
-  const BlindResult magnitudes = blind_boards(seed_plan(), {.with_phase = false, .seed = 3000});
+  const BlindResult magnitudes = blind_boards(seed_plan(), {.boards = 5, .with_phase = false, .seed = 3000});
   EXPECT_LT(magnitudes.after_95, 0.3 * magnitudes.before_95);
   EXPECT_EQ(magnitudes.worse, 0);
 }
 
 TEST(Trim, KeepsTheCapacitorsWhereTheMeasurementSaysNothing) {
   // 5 % of noise at three frequencies, on boards that are off by less.
-  const BlindResult noisy = blind_boards(seed_plan(), {.points = 3, .noise = 0.05, .seed = 4000});
+  const BlindResult noisy =
+      blind_boards(seed_plan(), {.boards = 5, .points = 3, .noise = 0.05, .seed = 4000});
   EXPECT_EQ(noisy.worse, 0);
 }
 

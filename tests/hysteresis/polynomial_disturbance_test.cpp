@@ -36,6 +36,30 @@ TEST(Polynomial, ContractBlockIsTheSignOfTheSlopeAlone) {
   EXPECT_DOUBLE_EQ(op->step(0.2, 1.0), 0.2 + cubic(kDescending, 0.2));  // at rest the branch stays
 }
 
+// Without gains of its own a stroke of another size is the full one in another unit, its inverse too: beyond what a branch reaches it
+// ends where the branch no longer rises.
+TEST(Polynomial, AStrokeOfAnotherSizeIsTheFullOneInAnotherUnit) {
+  PolynomialDisturbance full;
+  full.nested = false;
+  full.ascending.polynomial = {0.2, 0.3, -0.5};
+  full.descending.polynomial = kDescending;
+  for (const double size : {0.4, 1.0, 2.5}) {
+    PolynomialDisturbance other = full;
+    other.amplitude = size;
+    for (const bool rising : {true, false}) {
+      for (double x = -0.6; x <= 1.7; x += 0.1) {
+        EXPECT_NEAR(other.plain(rising, size * x), size * full.plain(rising, x), 1e-12);
+        EXPECT_NEAR(other.input_on(rising, size * x), size * full.input_on(rising, x), 1e-9 * size) << x;
+      }
+      for (double x = 0.05; x < 1.0; x += 0.1)
+        EXPECT_NEAR(full.input_on(rising, full.plain(rising, x)), x, 1e-9);
+    }
+  }
+  // 1.2 + .6 s - 1.5 s^2 = 0.
+  const double turn = (0.6 + std::sqrt(0.36 + 4.0 * 1.5 * 1.2)) / 3.0;
+  EXPECT_NEAR(full.input_on(true, 2.0 * full.plain(true, turn)), turn, 1e-6);
+}
+
 TEST(Polynomial, NestedRuleIsThePapersOnFullStrokesAndClosesMinorLoops) {
   const auto op = make_operator(seed_model("nested"));
   op->reset(0.0);

@@ -127,5 +127,22 @@ TEST(OrderSections, BiquadsByOrderAloneAndEightSectionsQuickly) {
   EXPECT_LT(pairs.span_after_db, pairs.span_before_db);
 }
 
+TEST(InSeries, GainsResponsesAndDelaysOfAllOfThem) {
+  std::vector<Sections> parts(3);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double w = 10.0 * static_cast<double>(i + 1);
+    parts[i].gain = 0.5 + static_cast<double>(i);
+    parts[i].delay_s = 1e-3 * static_cast<double>(i + 2);
+    parts[i].sections = {Section::pole_zero(1.5, RadPerSecond{w}, RadPerSecond{3.0 * w})};
+  }
+  for (std::size_t count = 0; count <= parts.size(); ++count) {
+    const Sections all = in_series({parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(count)});
+    std::complex<double> wanted = 1.0;
+    for (std::size_t i = 0; i < count; ++i) wanted *= parts[i].response(RadPerSecond{17.0});
+    EXPECT_LT(std::abs(all.response(RadPerSecond{17.0}) - wanted), 1e-12) << count;
+    EXPECT_EQ(all.sections.size(), count);
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith

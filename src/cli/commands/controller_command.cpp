@@ -139,7 +139,7 @@ std::string add_part_errors(const CommandLine& line, const generator::Disturbanc
     report = tolerance::examine(built, stage, options);
     json.update(tolerance::to_json(report, built));
     out.add("trim.md", tolerance::trim_page(report, built, "the controller of " + line.files()[0]));
-    text = tolerance::summary_text(report);
+    text = tolerance::summary_text(report, built);
   } else {
     report.loop =
         line.has("check") ? controller::checked_loop_stability(built) : controller::loop_stability(built);
@@ -179,6 +179,9 @@ int run_controller(const std::vector<std::string>& arguments) {
               : controller::predict_as_built(built, reference);
   const double compute_s = watch.seconds();
   for (const std::string& warning : built.warnings) note(warning);
+  if (built.stroke && reference.alpha() != 1.0 && reference.turns().size() > 2)
+    note(
+        "the gains are those of the reference's last peak, which behind an inner turn is not its stroke: the errors have it");
   if (!built.stroke && reference.alpha() != 1.0)
     note(fmt::format(
         "made for full strokes: at {} of it the stage's loop is another one (an `amplitude` table builds gains for it)",

@@ -109,7 +109,7 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   if (const std::string warning = controller::loop_warning(report.loop); !warning.empty())
     warnings.push_back(warning);
   warn_each(warnings);
-  std::string text = tolerance::summary_text(report);
+  std::string text = tolerance::summary_text(report, made);
   const bool met = keeps_limit(limit, report.study.worst.p95_percent, "%", text, json);
   return print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), json, met);
 }

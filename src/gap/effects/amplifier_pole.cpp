@@ -20,6 +20,16 @@ class AmplifierPole final : public Effect {
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
     return scene.is_between_samples(1.0 / Hertz{term.unknowns.front().value}.rad_s().value);
   }
+  /// A circuit whose op-amps are known has no lag but theirs.
+  bool is_implausible(const Model& model, const Scene& /*scene*/) const override {
+    for (std::size_t at = 0; at < model.size(); ++at) {
+      const auto& parts = model.at(at).parts;
+      if (parts &&
+          std::any_of(parts->begin(), parts->end(), [](const auto& p) { return !p.noise_gain.empty(); }))
+        return true;
+    }
+    return false;
+  }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double b = scene.band_hz;
     Starts starts = {{30.0 * b}, {6.0 * b}, {1.5 * b}, {0.4 * b}};

@@ -114,6 +114,17 @@ void fit_biquad(Block& section, const std::vector<Hertz>& grid, const std::vecto
       .set("damping_ratio", 0.5 * x(3) * up);
 }
 
+/// Noise gains in powers of s over another corner.
+void rescale_noise_gains(Block& section, double times) {
+  auto parts = std::make_shared<std::vector<PartChange>>(*section.parts);
+  for (PartChange& part : *parts) {
+    if (part.noise_gain.empty()) continue;
+    part.noise_gain[1] *= times;
+    part.noise_gain[2] *= times * times;
+  }
+  section.parts = std::move(parts);
+}
+
 /// The stage's blocks with its op-amps as fast as they are: its own poles move, and there is one more.
 void make_real(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opamp, std::size_t stage,
                std::vector<Block>& blocks) {
@@ -131,6 +142,7 @@ void make_real(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opa
   if (sum == std::vector<double>(3, 0.0)) return;
   const chain::OpampPoles poles = chain::opamp_poles(section, sum, 1.0 / opamp.gain_bandwidth.value);
   const std::string corner(chain::corner_of(section));
+  const double ideal_corner = corner.empty() ? 0.0 : section.get(corner);
   if (corner.empty()) {
     more.set("corner_hz", poles.last->value);
   } else if (poles.last) {
@@ -157,6 +169,7 @@ void make_real(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opa
     section.set(corner, slow);
     more.set("corner_hz", poles.natural_frequency_hz * apart);
   }
+  if (!corner.empty()) rescale_noise_gains(section, section.get(corner) / ideal_corner);
   blocks.push_back(std::move(more));
 }
 

@@ -112,6 +112,12 @@ Findings what_is_assumed(const Project& project) {
         "Reference {}: the stage's rate gains are those of its fundamental, the amplitude is known; a gain by the known "
         "frequency assumes that the period is, a filter only that it was designed for such a slope; {}.",
         to_string(shape), slope));
+    if (shape != Shape::sine && !project.target.disturbance.amplitude.alpha.empty() &&
+        std::ranges::min(project.track.amplitudes) < 1.0) {
+      out.back() +=
+          " Amplitude gains are those of the last peak, which behind an inner turn is not the stroke: partial strokes are followed the worse "
+          "for it, as their rows say.";
+    }
   }
   return out;
 }

@@ -70,9 +70,8 @@ void Builder::stroke_hold() {
       };
       for (double w = 0.0; w <= 1.0; w += 0.01) {
         const double slope = (subtracted(alpha, w) - subtracted(kLess * alpha, w)) / (1.0 - kLess);
-        const double off = out_.stroke->droop + 2.0 * out_.stroke->charge_v / alpha;
         out_.stroke->hold_error_percent =
-            std::max(out_.stroke->hold_error_percent, 100.0 * std::abs(slope) * off);
+            std::max(out_.stroke->hold_error_percent, 100.0 * std::abs(slope) * out_.stroke->held_off(alpha));
       }
     }
   }

@@ -185,6 +185,8 @@ struct DisturbanceCircuit : schematic::Netlist {
     /// Of the holds: a period's droop at the slowest reference, as a share of the stroke; what an opening contact leaves on one, V;
     /// the drive's error by both, percent of range.
     double droop = 0.0, charge_v = 0.0, hold_error_percent = 0.0;
+    /// By which share of a stroke alpha what is held may be off: both contacts' charge and the droop.
+    double held_off(double alpha) const { return droop + 2.0 * charge_v / alpha; }
     /// Op-amps and parts: what follows r to al, and from al to an.
     std::vector<int> follow;
     GeneratorMaker::Inverter inverter;

@@ -81,6 +81,8 @@ Board::Board(const generator::RestWiring& wiring, const Copy& copy, const Board*
   speed_ = std::max(1.0 + copy.speed, 0.05);
   timing_ = std::max(1.0 + copy.timing, 0.05);
   reference_gain_ = rest_.reference_gain();
+  // In every copy, and throughout what it is at most: low, as droop is.
+  if (const auto& stroke = wiring.circuit.stroke) rest_.set_stroke(1.0 - stroke->held_off(1.0));
   const double top = std::max(wiring.circuit.loop.greatest_drive, 1.0);
   middle_ = 0.5 * top;
   half_ = 0.5 * top + kRoomV;

@@ -48,7 +48,7 @@ Json shares_json(const std::vector<Share>& shares, std::size_t most) {
   return out;
 }
 
-Json study_json(const ControllerReport& report) {
+Json study_json(const ControllerReport& report, const generator::DisturbanceCircuit& controller) {
   const Study& study = report.study;
   Json assumed;
   for (const PartErrors::Named& one : PartErrors::names()) assumed[one.name] = report.errors.*one.value;
@@ -64,6 +64,8 @@ Json study_json(const ControllerReport& report) {
                        {"drive_difference_rms_percent", one.drive_rms_percent}});
   }
   return {{"assumed", assumed},
+          {"held_stroke_low_percent",
+           controller.stroke ? Json(100.0 * controller.stroke->held_off(1.0)) : Json(nullptr)},
           {"checked_in_ngspice", checked},
           {"draws", study.draws},
           {"worst_frequency", spread_json(study.worst)},
@@ -143,12 +145,17 @@ ControllerReport examine(const generator::DisturbanceCircuit& controller, const 
   return out;
 }
 
-std::string summary_text(const ControllerReport& report) {
+std::string summary_text(const ControllerReport& report, const generator::DisturbanceCircuit& controller) {
   const Study& study = report.study;
   std::string out =
       fmt::format("tracked error over {} copies, worst frequency: nominal {}, median {}, 95 % below {}\n",
                   study.draws, percent_text(study.worst.nominal_percent),
                   percent_text(study.worst.median_percent), percent_text(study.worst.p95_percent));
+  if (controller.stroke) {
+    out +=
+        fmt::format("  in every copy: what holds the stroke is low by {} (droop, charge of its contacts)\n",
+                    percent_text(100.0 * controller.stroke->held_off(1.0)));
+  }
   for (std::size_t i = 0; i < study.parts.size() && i < 5; ++i) {
     out += fmt::format("  {}: {} % of the variance\n", study.parts[i].name,
                        rounded_text(100.0 * study.parts[i].share, 2));
@@ -181,7 +188,7 @@ std::string draws_csv(const Study& study) {
 }
 
 Json to_json(const ControllerReport& report, const generator::DisturbanceCircuit& controller) {
-  Json out = {{"errors_of_parts", study_json(report)}, {"trim", trim_json(report, controller)}};
+  Json out = {{"errors_of_parts", study_json(report, controller)}, {"trim", trim_json(report, controller)}};
   if (!report.loop.at.empty()) out["stability"] = controller::to_json(report.loop);
   return out;
 }

@@ -40,7 +40,7 @@ Json to_json(const ControllerReport& report, const generator::DisturbanceCircuit
 std::string trim_page(const ControllerReport& report, const generator::DisturbanceCircuit& controller,
                       const std::string& title);
 /// A line each: spread, parts that matter, trims, stability.
-std::string summary_text(const ControllerReport& report);
+std::string summary_text(const ControllerReport& report, const generator::DisturbanceCircuit& controller);
 /// `draw,frequency columns…`: the tracking error of every copy, untrimmed.
 std::string draws_csv(const Study& study);
 

@@ -36,6 +36,35 @@ TEST(YieldController, WritesSpreadTrimsAndStability) {
   EXPECT_EQ(result.status, 1);
 }
 
+/// What holds the stroke droops in every copy: it is in the nominal figure, and told.
+TEST(YieldController, CountsWhatTheHoldsOfTheStrokeAreOff) {
+  const TemporaryFolder folder;
+  const std::string dir = folder.path().string();
+  const std::string loops = kSeedLoops;
+  write_file(
+      folder / "d.json",
+      loops.substr(0, loops.rfind('}')) +
+          R"(, "amplitude": {"alpha": [0.2, 0.6, 1], "ascending": [0.1, 0.5, 1], "descending": [0.12, 0.55, 1]}})");
+  const std::string command =
+      "yield controller " + dir + "/d.json --draws 60 --track 1 --trims 0 --no-ngspice -o " + dir;
+  const auto with = run_bodesmith(command + "/with --json");
+  const auto without = run_bodesmith(command + "/without --json --full-stroke");
+  ASSERT_EQ(with.status, 0) << with.err;
+  ASSERT_EQ(without.status, 0) << without.err;
+  const Node held = parse_json(with.out, "out").at("errors_of_parts");
+  const Node full = parse_json(without.out, "out").at("errors_of_parts");
+  const double low = held.at("held_stroke_low_percent").number();
+  EXPECT_GT(low, 0.005);
+  EXPECT_LT(low, 0.3);
+  EXPECT_EQ(full.at("held_stroke_low_percent").kind(), Node::Kind::null);
+  // The generator's d by as much, and less than twice: its slope over the stroke.
+  const double more = held.at("worst_frequency").at("nominal_percent").number() -
+                      full.at("worst_frequency").at("nominal_percent").number();
+  EXPECT_GT(more, 0.02 * low);
+  EXPECT_LT(more, 2.0 * low);
+  EXPECT_THAT(run_bodesmith(command + "/text").out, HasSubstr("what holds the stroke is low by"));
+}
+
 TEST(YieldController, SaysWhatIsWrong) {
   const TemporaryFolder folder;
   const std::string dir = folder.path().string();

@@ -430,8 +430,7 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
                            : "exchange, or identify anew, whichever it is of " + join(out.tied, ", "));
   const std::size_t mended = (corner_hz > 0.0 ? 1U : 0U) + (exchange.empty() ? 0U : 1U);
   if (out.found.size() > mended) {
-    out.next.emplace_back(
-        "what no exchange mends is to be identified and designed again: identify --disturbance, run");
+    out.next.emplace_back("what no exchange mends is to be identified from new records and designed again");
   } else if (built.of != "the stage") {
     Prediction again = built;
     Provenance aside;

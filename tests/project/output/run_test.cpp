@@ -337,6 +337,30 @@ TEST(WholeRun, LimitsFiguresAndFilesSayOneThing) {
     EXPECT_THAT(stage().text("report.html"), HasSubstr(one.name));
 }
 
+// With no time at all the design stands, and all that was left out is named.
+TEST(WholeRun, WithoutTimeWhatIsLeftOutIsNamed) {
+  const TemporaryFolder folder;
+  const std::string example = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/";
+  for (const char* name : {"gains.csv", "disturbance.json"})
+    write_file(folder / name, read_file(example + name));
+  write_file(
+      folder / "project.toml",
+      "schema = \"bodesmith.project/1\"\n[target]\npoints = \"gains.csv\"\ndisturbance = \"disturbance.json\"\n"
+      "[hardware.circuit]\n[plant]\nstroke_m = 7e-6\n[track]\nfrequency_hz = [100]\n");
+  ProjectSource source = ProjectSource::read(folder / "project.toml");
+  source.deadline = Deadline(0.0);
+  const project::Run run = run_project(source, folder / "out");
+  EXPECT_TRUE(run.tracking.elsewhere.empty());
+  EXPECT_THAT(run.not_tried, ::testing::Contains("errors of the controller's parts"));
+  EXPECT_THAT(run.not_tried, ::testing::Contains("stages of other families, other references"));
+  for (std::size_t i = 0; i < run.alternatives.size(); ++i) {
+    const std::string named = "hardware of '" + run.design.alternatives[i].name + "'";
+    EXPECT_EQ(std::ranges::count(run.not_tried, named), run.alternatives[i].design.circuit ? 0 : 1) << named;
+  }
+  EXPECT_TRUE(run.alternatives[run.design.chosen].design.circuit);
+  EXPECT_FALSE(run.part_errors);
+}
+
 /// A shelf between two levels, with a circuit and its tolerances.
 const Ran& filter() {
   static const Ran made(

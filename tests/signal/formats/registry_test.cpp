@@ -257,6 +257,32 @@ TEST(ForeignRecords, WildStepsOfSimulatorsStayOfASize) {
   EXPECT_NEAR(record.duration_s(), 1.0, 1e-3);
 }
 
+// Straight lines lose nothing however few the samples; a bend between them takes as many as keep a thousandth of the range.
+TEST(ForeignRecords, StraightLinesAtUnevenTimesStayStraightAndFew) {
+  const TemporaryFolder folder;
+  const auto read = [&](double bend) {
+    std::string text = "time\tV(in)\tV(out)\n";
+    for (const double t : {0.0, 0.07, 0.1, 0.33, 0.4001, 0.81, 1.0})
+      text += std::to_string(t) + "\t" + std::to_string(3.0 * t - 1.0) + "\t" +
+              std::to_string(5.0 - 2.0 * t + (t > 0.33 ? bend * (t - 0.33) : 0.0)) + "\n";
+    write_file(folder / "lines.txt", text);
+    Provenance from;
+    return TimeRecord::read_csv(folder / "lines.txt", from);
+  };
+  const TimeRecord straight = read(0.0);
+  EXPECT_EQ(straight.size(), 64U);
+  for (std::size_t i = 0; i < straight.size(); ++i) {
+    EXPECT_NEAR(straight.u[i], 3.0 * straight.time_s(i) - 1.0, 1e-5);
+    EXPECT_NEAR(straight.y[i], 5.0 - 2.0 * straight.time_s(i), 1e-5);
+  }
+  const TimeRecord bent = read(6.0);
+  EXPECT_GT(bent.size(), 64U);
+  const double place = 0.33 * static_cast<double>(bent.size() - 1);
+  const auto k = static_cast<std::size_t>(place);
+  const double there = bent.y[k] + (place - static_cast<double>(k)) * (bent.y[k + 1] - bent.y[k]);
+  EXPECT_NEAR(there, 5.0 - 2.0 * 0.33, 1e-3 * 3.1);
+}
+
 TEST(ForeignRecords, AnotherColumnOrNodeIsChosenByName) {
   Provenance from;
   const TimeRecord swapped = TimeRecord::read_csv(sample("waveforms_scope.csv:Channel 2,Channel 1"), from);

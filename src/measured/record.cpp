@@ -200,10 +200,17 @@ Found diagnosed(const Chain& built, const TimeRecord& record, const gap::Study& 
     });
   };
   if (explains(built, 0) || (explains(built, 1) && !of_the_stage())) return out;
-  if (std::any_of(built.blocks.begin(), built.blocks.end(), has_curves_of_a_stage) &&
-      explains(with_free_curves(built), 0))
-    return out;
-  explains(built, options.max_terms);
+  const auto left = [&] {
+    return error_figures(output(out.diagnosis.search.final.chain(), record), record.y).rms;
+  };
+  const double by_one_name = left();
+  Chain base = built;
+  if (std::any_of(built.blocks.begin(), built.blocks.end(), has_curves_of_a_stage)) {
+    if (explains(with_free_curves(built), 0)) return out;
+    // With more to find: where the curves leave less than any name does, beside them.
+    if (left() < by_one_name) base = out.base;
+  }
+  explains(base, options.max_terms);
   return out;
 }
 
@@ -235,8 +242,10 @@ void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& rec
                       [](const chain::Parameter& p) { return p.free; })) {
         out.found.push_back(fmt::format("{}: its curves are others than the project's, by up to {}",
                                         before.part, moved_curves(before, found.at(at))));
-        out.advice +=
-            "A generator that is as much off does the same: a record of the drive, or of the stage alone, tells them apart. ";
+        if (std::any_of(base.blocks.begin(), base.blocks.end(),
+                        [](const Block& b) { return b.parts != nullptr; }))
+          out.advice +=
+              "A generator that is as much off does the same: a record of the drive, or of the stage alone, tells them apart. ";
       }
       continue;
     }
@@ -253,8 +262,8 @@ void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& rec
       // Between samples a pole is a lag, and any other of the stage's poles is one too.
       if (const double lag_s = (1.0 / now - 1.0 / p.value) / (2.0 * std::numbers::pi);
           p.unit() == "Hz" && std::abs(lag_s) < record.step_s)
-        words +=
-            fmt::format(", or another of the stage's poles: {} more of lag", engineering_text(lag_s, "s", 3));
+        words += fmt::format(", or another of the stage's poles: {} {} of lag",
+                             engineering_text(std::abs(lag_s), "s", 3), lag_s > 0.0 ? "more" : "less");
       if (noise_rms > 0.0 && good_parts_explain(back.chain(), record, noise_rms)) {
         out.advice += "Perhaps " + words + ": parts within their tolerances do as much. ";
         continue;

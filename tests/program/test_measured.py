@@ -96,6 +96,26 @@ def test_a_stage_that_is_another_one(built, tmp_path, stage, words):
         assert percent == pytest.approx({"--stage-bend": 0.06 * 4 / 27 * 100, "--stage-falling": 0.64}[stage[0]], rel=0.03)
 
 
+def test_a_stage_alone_with_another_curve_and_less_lag(built, tmp_path):
+    """60 Hz: a delay of 1.6 µs instead of poles and a mode, and a rising curve of its own."""
+    disturbance = json.loads((ROOT / "examples/nanopositioner/disturbance.json").read_text())
+    t = np.arange(1201) / 400 / 60
+    u, v = (1 - np.abs(1 - 2 * (60 * at % 1)) for at in (t, t - 1.6e-6))
+    rates = disturbance["rate"]
+    falling = np.array(disturbance["descending"]) * rates["descending"][rates["frequency_hz"].index(60)]
+    rising = np.array(disturbance["ascending"]) + [0.05, -0.1, 0.05]
+    up = 60 * (t - 1.6e-6) % 1 < 0.5
+    y = v * (1 + np.where(up, *(a[0] + v * (a[1] + v * a[2]) for a in (rising, falling))))
+    y = 6.92e-6 * (y + np.random.default_rng(3).normal(0, 2e-5, len(u)))
+    np.savetxt(tmp_path / "stage.csv", np.column_stack([t, u, y]), delimiter=",", header="time_s,u,y", comments="")
+    out = measured(built, tmp_path / "stage.csv")
+    assert out["of"] == "the stage" and out["tied"] == []
+    curves = next(one for one in out["found"] if one.startswith("stage: its curves"))
+    assert float(curves.split("by up to ")[1].split()[0]) == pytest.approx(0.05 * 4 / 27 * 100, rel=0.05)
+    assert all(one.startswith(("stage: its curves", "amplifier: corner")) for one in out["found"])
+    assert any("less of lag" in one for one in out["found"]) and "generator" not in out["advice"]
+
+
 @pytest.mark.parametrize("late_us", [30, 100])
 def test_a_switch_that_acts_late(built, tmp_path, late_us):
     """.9 and 3 samples behind each turn."""

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <utility>
 
-#include "approximate/approximation_error.hpp"
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/whole_number.hpp"

@@ -14,8 +14,6 @@
 namespace bodesmith {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// ln |H(jw)|: one logarithm for a section, whose ratios are taken root by root, so that nothing overflows.
 double log_magnitude(const Section& section, RadPerSecond w) {
   const auto squared = [&](const Complex& root) {

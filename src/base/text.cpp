@@ -7,8 +7,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <string>
 #include <utility>
 
 #include "base/error.hpp"

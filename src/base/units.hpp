@@ -2,9 +2,13 @@
 
 #include <cmath>
 #include <compare>
+#include <complex>
 #include <numbers>
 
 namespace bodesmith {
+
+/// A phasor, a response, a root.
+using Complex = std::complex<double>;
 
 struct RadPerSecond;
 

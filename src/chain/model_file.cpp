@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/documents/document.hpp"
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
-#include "chain/chain.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "base/error.hpp"
@@ -11,8 +10,6 @@
 
 namespace bodesmith::chain {
 namespace {
-
-using Complex = std::complex<double>;
 
 double corner_hz(double root_rad_s) {
   return RadPerSecond{std::abs(root_rad_s)}.hz().value;

@@ -13,7 +13,6 @@
 #include "cli/shared_options.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"
-#include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
 #include "lti/fractional_transfer.hpp"
 #include "lti/judge_responses.hpp"
@@ -28,7 +27,6 @@
 namespace bodesmith::cli {
 namespace {
 
-using Complex = std::complex<double>;
 using Evaluate = std::function<std::vector<Complex>(const std::vector<Hertz>&)>;
 
 /// A magnitude of 0 or a pole on the axis has no dB; what is no number at all was beyond double precision.

@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
-#include "cli/command_line.hpp"
 #include "lti/section_making.hpp"
-#include "schematic/ngspice/ngspice.hpp"
 #include "simulate/controller_file.hpp"
 #include "synthesis/parts/stock.hpp"
 #include "synthesis/realisation.hpp"

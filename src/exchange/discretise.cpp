@@ -14,8 +14,6 @@
 namespace bodesmith::exchange {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// z^-1 polynomial 1 + c1/z + c2/z^2 of up to two roots that are real or a conjugate pair.
 std::array<double, 3> polynomial(const std::vector<Complex>& roots) {
   if (roots.empty()) return {1.0, 0.0, 0.0};

@@ -17,7 +17,6 @@
 namespace bodesmith::faults {
 namespace {
 
-using Complex = std::complex<double>;
 using schematic::Equations;
 
 /// A uniform deviation within a tolerance has this standard deviation, a little widened.

@@ -85,8 +85,6 @@ Rework all_of(std::span<const Suspect> rivals) {
   return {join(texts, rivals.size() > 1 ? "; if that does not help, " : "; "), texts.size()};
 }
 
-using Complex = std::complex<double>;
-
 constexpr std::size_t kMostRivals = 8;
 /// A good board's node moves by about this much with its parts' tolerances and a probe's error.
 constexpr double kTolerated = 0.012;

@@ -12,8 +12,6 @@
 namespace bodesmith::filters {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// Both roots of s^2 - 2 h s + w0^2, the smaller one without cancellation.
 void add_band_roots(std::vector<Complex>& roots, Complex h, double w0) {
   // h^2 - w0^2 as a product keeps narrow bands exact.

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 

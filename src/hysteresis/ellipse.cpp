@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

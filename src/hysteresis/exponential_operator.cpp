@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 

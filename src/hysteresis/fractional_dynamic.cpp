@@ -3,18 +3,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
-#include "hysteresis/model_type.hpp"
 #include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
-
-using Complex = std::complex<double>;
 
 Complex power(Complex s, double exponent) {
   if (s == Complex(0.0, 0.0)) return exponent == 0.0 ? 1.0 : 0.0;

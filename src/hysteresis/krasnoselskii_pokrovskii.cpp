@@ -7,7 +7,6 @@
 
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
-#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 

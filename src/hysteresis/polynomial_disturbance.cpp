@@ -9,7 +9,6 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "numeric/optimisation/root.hpp"
-#include "signal/disturbance.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

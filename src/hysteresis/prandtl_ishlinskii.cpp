@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "hysteresis/model_type.hpp"
 #include "numeric/optimisation/root.hpp"
 
 namespace bodesmith::hysteresis {

@@ -7,8 +7,6 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "hysteresis/model_type.hpp"
-#include "identify/stage_fit.hpp"
 #include "signal/period.hpp"
 #include "signal/statistics.hpp"
 

@@ -7,7 +7,6 @@
 #include "base/progress.hpp"
 #include "base/whole_number.hpp"
 #include "hysteresis/identification/record_tools.hpp"
-#include "hysteresis/model_type.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
 #include "numeric/optimisation/least_squares.hpp"

@@ -1,13 +1,9 @@
 #include "identify/stage_model.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/documents/document.hpp"
-#include "base/error.hpp"
 #include "chain/blocks/hysteresis.hpp"
-#include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 
 namespace bodesmith::identify {

@@ -10,7 +10,6 @@
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 #include "chain/model_file.hpp"
-#include "invert/drive_search.hpp"
 #include "invert/local_model.hpp"
 #include "signal/period.hpp"
 

@@ -5,7 +5,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "base/units.hpp"
 #include "numeric/four.hpp"
 #include "numeric/log_and_angle.hpp"
 #include "numeric/parallel_for.hpp"
@@ -13,7 +12,6 @@
 namespace bodesmith {
 namespace {
 
-using Complex = std::complex<double>;
 using Quadratic = BulkResponse::Quadratic;
 
 constexpr std::size_t kLanes = 64;       // side by side: what is known of them stays in the first cache

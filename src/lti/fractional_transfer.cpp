@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <numeric>
 
@@ -89,8 +88,6 @@ FractionalTransfer FractionalTransfer::read(const std::filesystem::path& path, P
 }
 
 namespace {
-
-using Complex = std::complex<double>;
 
 /// Ends in ln w of the frequencies at which any term can matter: outside, the lowest or the highest power rules alone.
 struct LogSpan {

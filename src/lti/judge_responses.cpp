@@ -3,12 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lti/frequency_grid.hpp"
-
 namespace bodesmith {
 namespace {
-
-using Complex = std::complex<double>;
 
 /// Both responses at more frequencies.
 struct Sampled {

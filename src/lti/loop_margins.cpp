@@ -11,8 +11,6 @@
 namespace bodesmith {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// ln |L|, within what a search for its zero can reckon with.
 double log_gain(Complex l) {
   constexpr double kMost = 700.0;  // of ln of a double

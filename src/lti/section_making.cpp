@@ -9,8 +9,6 @@
 namespace bodesmith {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr std::size_t kMaxPairs = 8;      // (subsets of poles) x (subsets of zeros): C(16, 8) states
 constexpr std::size_t kMaxSections = 14;  // subsets of sections
 

@@ -12,8 +12,6 @@
 namespace bodesmith {
 namespace {
 
-using Complex = std::complex<double>;
-
 std::vector<Complex> read_roots(const Node& node) {
   std::vector<Complex> roots;
   for (const Node& item : node.items()) {

@@ -62,7 +62,6 @@ bool all_real(const std::vector<std::complex<double>>& roots) {
 }  // namespace
 
 std::complex<double> response(const StateSpace& system, std::complex<double> s) {
-  using Complex = std::complex<double>;
   if (system.order() == 0) return system.d;
   const Eigen::Index n = eigen_index(system.order());
   const Eigen::MatrixXcd left = s * Eigen::MatrixXcd::Identity(n, n) - matrix_of(system).cast<Complex>();

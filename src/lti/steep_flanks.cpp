@@ -4,12 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "lti/frequency_grid.hpp"
-
 namespace bodesmith {
 namespace {
-
-using Complex = std::complex<double>;
 
 double turned_back(double rad) {
   return std::remainder(rad, 2.0 * std::numbers::pi);

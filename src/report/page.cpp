@@ -12,7 +12,6 @@
 #include "base/provenance.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
-#include "report/script_data.hpp"
 #include "report/svg.hpp"
 
 namespace bodesmith::report {

@@ -1,7 +1,6 @@
 #include "report/svg.hpp"
 
 #include <array>
-#include <cstddef>
 #include <string_view>
 
 #include "base/text.hpp"

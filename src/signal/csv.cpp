@@ -15,7 +15,6 @@
 #include "signal/columns.hpp"
 #include "signal/csv_rows.hpp"
 #include "signal/formats/format.hpp"
-#include "signal/formats/text_encoding.hpp"
 
 namespace bodesmith {
 namespace {

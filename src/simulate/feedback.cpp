@@ -5,27 +5,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <span>
 #include <variant>
-#include <vector>
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "chain/chain.hpp"
 #include "chain/kernel.hpp"
 #include "chain/sections_chain.hpp"
 #include "filters/equalisers.hpp"
 #include "signal/statistics.hpp"
-#include "signal/time_record.hpp"
 #include "simulate/hold_response.hpp"
 #include "simulate/ode/cvode_solver.hpp"
 #include "simulate/ode/ode_solve.hpp"
-#include "simulate/pid.hpp"
 #include "simulate/record/dense_signal.hpp"
 #include "simulate/simulate.hpp"
-#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 namespace {

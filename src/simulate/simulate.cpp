@@ -10,7 +10,6 @@
 #include "base/text.hpp"
 #include "simulate/engines/engine.hpp"
 #include "simulate/ode/cvode_solver.hpp"
-#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 namespace {

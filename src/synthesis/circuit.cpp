@@ -34,8 +34,6 @@ std::string factors_text(const std::vector<std::complex<double>>& roots) {
   return out;
 }
 
-using Complex = std::complex<double>;
-
 /// Coefficients c0 + c1 s + c2 s^2 of prod (s - r).
 void expand(const std::vector<Complex>& r, double& c0, double& c1, double& c2) {
   c0 = c1 = c2 = 0.0;

@@ -14,8 +14,6 @@
 namespace bodesmith::synthesis {
 namespace {
 
-using Complex = std::complex<double>;
-
 std::vector<Complex> roots_from(const Node& node) {
   std::vector<Complex> out;
   for (const Node& root : node.items()) {

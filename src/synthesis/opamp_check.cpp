@@ -16,8 +16,6 @@
 namespace bodesmith::synthesis {
 namespace {
 
-using Complex = std::complex<double>;
-
 double quality(const Biquad& h) {
   if (h.a2 == 0.0 || h.a1 == 0.0) return 0.0;
   const double q = std::sqrt(std::abs(h.a0 * h.a2)) / std::abs(h.a1);

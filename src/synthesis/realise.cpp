@@ -4,9 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.hpp"
 #include "lti/bulk_response.hpp"
-#include "lti/frequency_grid.hpp"
 #include "lti/judge_responses.hpp"
 #include "schematic/analysis/response.hpp"
 #include "synthesis/opamp_check.hpp"

@@ -9,16 +9,11 @@
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/drawn_board.hpp"
-#include "lti/frequency_grid.hpp"
 #include "schematic/analysis/response.hpp"
-#include "synthesis/circuit.hpp"
-#include "synthesis/circuit_file.hpp"
 #include "synthesis/realisation.hpp"
 
 namespace bodesmith::tolerance {
 namespace {
-
-using Complex = std::complex<double>;
 
 /// A CAM whose capacitors do not make what the file says of it.
 void check_cams(const fpaa::Plan& board, const Node& plan) {

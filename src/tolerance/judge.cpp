@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "fpaa/plan/drawn_board.hpp"
 #include "lti/frequency_grid.hpp"
 #include "schematic/analysis/response.hpp"
-#include "tolerance/yield.hpp"
 
 namespace bodesmith::tolerance {
 namespace {

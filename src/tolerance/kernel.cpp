@@ -7,8 +7,6 @@
 namespace bodesmith::tolerance {
 namespace {
 
-using Complex = std::complex<double>;
-
 bool first_order(const synthesis::Biquad& h) {
   return h.b2 == 0.0 && h.a2 == 0.0;
 }

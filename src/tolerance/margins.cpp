@@ -13,8 +13,6 @@
 namespace bodesmith::tolerance {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// By how much 1 + L turns round 0 over the grid.
 double turned_rad(const std::vector<Complex>& loop) {
   double out = 0.0;

@@ -5,12 +5,6 @@
 #include "tracking/stage.hpp"
 
 namespace bodesmith::tracking {
-namespace {
-
-using Complex = std::complex<double>;
-
-}  // namespace
-
 std::complex<double> compensator_response(const Compensator& compensator, RadPerSecond w) {
   struct At {
     RadPerSecond w;

@@ -9,7 +9,6 @@
 #include "simulate/hold_response.hpp"
 #include "simulate/ode/cvode_solver.hpp"
 #include "tracking/driven_stage.hpp"
-#include "tracking/periodic.hpp"
 
 namespace bodesmith::tracking {
 namespace {

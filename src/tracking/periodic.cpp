@@ -30,7 +30,6 @@ std::vector<double> lagged(const std::vector<double>& input, double step_s, doub
   return out;
 }
 
-using Complex = std::complex<double>;
 using Branch = Disturbance::Branch;
 
 std::vector<double> filtered(const std::vector<Complex>& response, const std::vector<double>& x) {

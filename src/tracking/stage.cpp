@@ -16,8 +16,6 @@
 namespace bodesmith::tracking {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// The correlation of y with the delayed x and its derivatives by the delay.
 struct Correlation {
   double value = 0.0;

@@ -12,7 +12,6 @@
 #include "numeric/parallel_for.hpp"
 #include "tracking/continuous.hpp"
 #include "tracking/periodic.hpp"
-#include "tracking/types.hpp"
 
 namespace bodesmith::tracking {
 namespace {

@@ -5,8 +5,6 @@
 namespace bodesmith::tuning {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// The first that is not 0.
 double leading(double a, double b, double c) {
   return a != 0.0 ? a : b != 0.0 ? b : c;

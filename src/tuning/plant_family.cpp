@@ -15,8 +15,6 @@
 namespace bodesmith::tuning {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// What a fit says of its own parameters.
 struct StatedDeviations {
   struct Root {

@@ -17,8 +17,6 @@
 namespace bodesmith::tuning {
 namespace {
 
-using Complex = std::complex<double>;
-
 struct Worst {
   double phase_margin_deg = 180.0;
   double gain_margin_db = INFINITY;
@@ -99,8 +97,6 @@ double shortfall(std::span<const Complex> loop, int integrators, const LoopLimit
 }
 
 namespace {
-
-using Complex = std::complex<double>;
 
 /// Local maxima of |P| above `from`, highest first.
 std::vector<Hertz> peaks_of(const std::vector<Hertz>& grid, const std::vector<Complex>& plant, Hertz from) {

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "base/documents/json.hpp"

@@ -7,7 +7,6 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/shared_options.hpp"
-#include "lti/judge_responses.hpp"
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/opamp_check.hpp"

@@ -19,7 +19,6 @@
 #include "cli/response_source.hpp"
 #include "cli/shared_options.hpp"
 #include "lti/frequency_grid.hpp"
-#include "lti/judge_responses.hpp"
 #include "synthesis/realise_search.hpp"
 #include "tolerance/design.hpp"
 #include "tolerance/margins.hpp"
@@ -33,8 +32,6 @@ struct LoopPlant {
   std::vector<Hertz> grid;
   std::vector<std::complex<double>> response;
 };
-
-using Complex = std::complex<double>;
 
 std::vector<Complex> complex_response(const ResponseSource& source, const std::vector<Hertz>& grid) {
   const LevelAndPhase curves = source.on_grid(grid);

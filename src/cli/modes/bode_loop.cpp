@@ -19,8 +19,6 @@
 namespace bodesmith::cli {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// The response on the grid where it has magnitude and phase; NaN elsewhere.
 std::vector<Complex> complex_column(const LevelAndPhase& columns) {
   std::vector<Complex> out(columns.magnitude_db.size(), Complex(NAN, NAN));

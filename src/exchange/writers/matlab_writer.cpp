@@ -14,8 +14,6 @@
 namespace bodesmith::exchange {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// No date in it: the same input gives the same bytes.
 constexpr const char* kMatHeader = "MATLAB 5.0 MAT-file, Platform: any, written by bodesmith";
 

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "fit/direct/constrained_search.hpp"
 #include "fit/direct/curve_target.hpp"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <complex>
 
-#include "fit/direct/curve_target.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
 
@@ -16,8 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-using Complex = std::complex<double>;
 
 constexpr int kLawsonRounds = 40;
 

@@ -9,7 +9,6 @@
 namespace bodesmith {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kMaxDamping = 1e6;  ///< two roots twelve decades apart: beyond any band

@@ -6,15 +6,12 @@
 #include <cmath>
 #include <complex>
 #include <utility>
-#include <vector>
 
-#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "fit/measured/measured_search.hpp"
 #include "lti/section_making.hpp"
-#include "signal/bode_points.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith {
@@ -127,8 +124,6 @@ std::vector<double> noise_from_errors(const std::vector<std::complex<double>>& e
   }
   return out;
 }
-
-using Complex = std::complex<double>;
 
 constexpr std::size_t kLeastPoints = 8;
 constexpr std::size_t kFold = 5;         ///< one point in five is held out

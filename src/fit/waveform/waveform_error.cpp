@@ -25,8 +25,6 @@ std::complex<double> half_coefficient(const std::array<double, 3>& a, std::size_
   return 0.5 * sum;
 }
 
-using Complex = std::complex<double>;
-
 /// Re sum_k part_k e^(2 pi j k (m + 1/2)/samples) for every m: samples stand in the middle of equal intervals, none on a
 /// corner.
 std::vector<double> period_of(const std::vector<Complex>& part, std::size_t samples) {

@@ -85,7 +85,6 @@ SearchResult search_smallest_worst(const WaveformProblem& problem, const RootMod
 }
 
 using Branch = Disturbance::Branch;
-using Complex = std::complex<double>;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 

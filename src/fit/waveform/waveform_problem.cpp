@@ -15,7 +15,6 @@
 namespace bodesmith {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;

@@ -1,12 +1,6 @@
 #include "fpaa/cams/cam.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <limits>
-#include <stdexcept>
-
-#include "base/text.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -1,7 +1,6 @@
 #include "fpaa/cams/placed_cam.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace bodesmith::fpaa {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <complex>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"

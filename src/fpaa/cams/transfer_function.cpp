@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"

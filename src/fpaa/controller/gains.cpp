@@ -11,7 +11,6 @@
 #include "fpaa/controller/io.hpp"
 #include "fpaa/controller/scale.hpp"
 #include "fpaa/device/memory_image.hpp"
-#include "fpaa/streams/plan_stream.hpp"
 #include "fpaa/streams/stream_output.hpp"
 #include "signal/csv.hpp"
 

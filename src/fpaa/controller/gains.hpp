@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/documents/json_fwd.hpp"
 #include "base/files.hpp"
 #include "fpaa/controller/controller.hpp"
 #include "fpaa/gains/gain_schedule.hpp"

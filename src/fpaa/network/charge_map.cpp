@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "base/error.hpp"

@@ -12,7 +12,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;

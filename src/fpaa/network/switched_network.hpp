@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "base/error.hpp"
 #include "base/units.hpp"
 #include "fpaa/cams/switches.hpp"
 

@@ -9,8 +9,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr double kSensitivityStep = 1e-5;
 
 std::vector<Complex> gains(const SwitchedBoard& board, const std::vector<Hertz>& grid) {

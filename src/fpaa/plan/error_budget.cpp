@@ -16,8 +16,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr int kPoints = 200;         ///< of the band, for the response's errors
 constexpr int kMismatchPoints = 40;  ///< of the band, for each drawn board
 constexpr int kNoisePoints = 60;     ///< of the band

@@ -1,7 +1,6 @@
 #include "fpaa/plan/plan.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include "base/text.hpp"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 #include "fpaa/cams/cam.hpp"
@@ -11,8 +10,6 @@
 
 namespace bodesmith::fpaa {
 namespace {
-
-using Complex = std::complex<double>;
 
 constexpr double kImagesBelowHz = 1e5;
 constexpr double kLeastLineHz = 1e-12;  ///< nearer to 0 it is no line

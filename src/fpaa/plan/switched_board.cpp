@@ -1,7 +1,5 @@
 #include "fpaa/plan/switched_board.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/error.hpp"

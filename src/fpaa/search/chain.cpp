@@ -14,8 +14,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr std::int64_t kMostTotal = kLargestDivisor * kLargestDivisor;
 /// A corner needs this many samples a radian: above, no positive capacitors put a pole there.
 constexpr double kSamplesARadian = 1.0;

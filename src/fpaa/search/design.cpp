@@ -3,7 +3,6 @@
 #include "fpaa/plan/assembly.hpp"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
 
 namespace bodesmith::fpaa {

@@ -10,8 +10,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr double kLeastContinuous = 0.02;  ///< units, before the stage is scaled up
 
 /// The free capacitors as unknowns.

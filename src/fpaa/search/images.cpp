@@ -10,8 +10,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// int exp(jrt) dt over a span that begins at `from`, over a period.
 Complex turning(double rate, double from, double length, double period) {
   const double half = 0.5 * rate * length;

@@ -6,8 +6,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr double kPolishSteps[] = {1.0, -1.0, 2.0, -2.0, 4.0, -4.0};
 constexpr std::size_t kJudgedPairs = 8;  ///< of each round, by the exact response
 

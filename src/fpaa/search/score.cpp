@@ -11,8 +11,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// An op-amp more has to earn this share of the error, a chip more that.
 constexpr double kOpampCost = 0.01;
 constexpr double kChipCost = 0.1;

@@ -1,13 +1,11 @@
 #include "fpaa/search/sine_response.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
 using Stage = DesignStage;
 using Clock = ClockFactors<ComplexPair>;
 using Factors = StageFactors<ComplexPair>;

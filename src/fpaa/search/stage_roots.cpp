@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
 using Stage = DesignStage;
 
 constexpr double kOneRatio = 230.0;   ///< largest ratio of two capacitors that is designed for

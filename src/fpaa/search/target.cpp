@@ -10,8 +10,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr double kBeyondBand = 4.0;
 constexpr double kBeyondWeight = 0.1;
 constexpr int kBeyondPoints = 8;

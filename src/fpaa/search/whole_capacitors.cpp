@@ -5,12 +5,10 @@
 #include <utility>
 
 #include "base/whole_number.hpp"
-#include "fpaa/search/score.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
 using Stage = DesignStage;
 
 /// A stage's whole capacitors at given scales of its groups; false where one does not come to a unit.

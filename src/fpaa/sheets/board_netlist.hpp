@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "base/error.hpp"
 #include "fpaa/network/settling.hpp"
 #include "fpaa/plan/plan.hpp"
 

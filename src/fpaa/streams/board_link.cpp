@@ -8,11 +8,9 @@
 
 #include <cerrno>
 #include <cstring>
-#include <optional>
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
-#include "fpaa/device/config_stream.hpp"
 
 namespace bodesmith::fpaa {
 namespace {

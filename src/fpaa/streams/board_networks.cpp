@@ -9,7 +9,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "base/error.hpp"
 #include "base/text.hpp"
 #include "numeric/fourier.hpp"
 #include "numeric/linear_algebra/dense.hpp"

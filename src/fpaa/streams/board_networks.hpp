@@ -10,8 +10,6 @@
 
 namespace bodesmith::fpaa::an231 {
 
-using Complex = std::complex<double>;
-
 /// A pin of a chip, as a person names it.
 struct BoardPin {
   int chip = 1;  ///< Address1

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 

@@ -4,7 +4,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/documents/json_fwd.hpp"
 #include "fpaa/device/config_stream.hpp"
 
 namespace bodesmith::fpaa {

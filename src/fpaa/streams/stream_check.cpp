@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "fpaa/streams/plan_stream.hpp"
-
 namespace bodesmith::fpaa::an231 {
 namespace {
 

@@ -19,7 +19,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;

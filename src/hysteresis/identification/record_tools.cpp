@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,7 +10,6 @@
 #include "hysteresis/polynomial_disturbance.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
-#include "numeric/optimisation/least_squares.hpp"
 
 namespace bodesmith::hysteresis {
 

@@ -1,7 +1,5 @@
 #include "project/design/alternative_hardware.hpp"
 
-#include "base/error.hpp"
-
 namespace bodesmith::project {
 namespace {
 

@@ -12,8 +12,6 @@
 namespace bodesmith::project {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// Harmonics of one operating frequency are harmonics of others, too: each is worked out once.
 FrequencyResponse remembered(const FrequencyResponse& response) {
   const auto known = std::make_shared<std::unordered_map<double, Complex>>();

@@ -1,7 +1,5 @@
 #include "project/design/design.hpp"
 
-#include <algorithm>
-
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "fpaa/plan/switched_board.hpp"

@@ -23,7 +23,6 @@ using chain::Block;
 using chain::chain_of;
 using chain::make_block;
 using chain::stage_block;
-using Complex = std::complex<double>;
 
 /// Of c0 + c1/z + c2/z^2, without those at z = 0 and infinity.
 std::vector<Complex> z_roots(std::vector<double> c) {

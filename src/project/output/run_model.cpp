@@ -1,7 +1,6 @@
 #include "project/output/run_model.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <tuple>
 #include <vector>

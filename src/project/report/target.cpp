@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <complex>
-
 #include "base/text.hpp"
 #include "project/report/report_chapters.hpp"
 #include "project/run.hpp"

@@ -156,7 +156,7 @@ SparseSystem Equations::small_signal(RadPerSecond w) const {
   return out;
 }
 
-Equations::Complex Equations::response(RadPerSecond w, const std::string& name) const {
+Complex Equations::response(RadPerSecond w, const std::string& name) const {
   const int at = node(name);
   return at < 0 ? Complex(at == kInput ? 1.0 : 0.0) : solve_sparse(small_signal(w))(at);
 }

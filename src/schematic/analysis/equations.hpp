@@ -29,8 +29,6 @@ struct Assumptions {
 /// Keeps nothing of the netlist.
 class Equations {
  public:
-  using Complex = std::complex<double>;
-
   explicit Equations(const Netlist& netlist, const Assumptions& assumptions = {});
 
   int node(const std::string& name) const;  ///< its place; throws std::logic_error where there is none

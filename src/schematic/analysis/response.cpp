@@ -5,7 +5,6 @@
 
 #include "base/progress.hpp"
 #include "numeric/linear_algebra/dense.hpp"
-#include "schematic/analysis/equations.hpp"
 
 namespace bodesmith::schematic {
 namespace {
@@ -71,7 +70,6 @@ double worst_output_offset(const Netlist& netlist) {
 
 std::vector<std::complex<double>> log_sensitivities(const Equations& equations, std::size_t parts,
                                                     RadPerSecond w) {
-  using Complex = std::complex<double>;
   const Eigen::VectorXcd x = solve_sparse(equations.small_signal(w)), y = equations.ways_to(w);
   const Complex h = x(equations.node("out"));
   std::vector<Complex> out(parts, 0.0);

@@ -8,7 +8,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
-#include "schematic/ngspice/plain_netlist.hpp"
 #include "schematic/ngspice/user_deck.hpp"
 #include "schematic/plain_number.hpp"
 

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 #include <set>
-#include <vector>
 
 #include "base/error.hpp"
 #include "base/files.hpp"

@@ -18,7 +18,6 @@
 namespace bodesmith::formats {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr std::size_t kMostPoints = 10'000'000;
 
 class CitiReader {

@@ -6,10 +6,8 @@
 // by it (G and H likewise); version 2 does not.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <complex>
 
 #include "base/error.hpp"
 #include "base/text.hpp"

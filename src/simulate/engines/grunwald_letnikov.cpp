@@ -16,8 +16,6 @@
 namespace bodesmith::simulate {
 namespace {
 
-using Complex = std::complex<double>;
-
 std::optional<Complex> transfer_of(const chain::Block& block, const chain::Kernel& kernel, Complex s) {
   if (const auto exact = block.transfer(s)) return exact;
   if (const auto* linear = std::get_if<chain::LinearKernel>(&kernel)) return chain::response(*linear, s);

@@ -8,7 +8,6 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "simulate/ode/cvode_solver.hpp"
-#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 namespace {

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "simulate/propagators/modal.hpp"
-
 namespace bodesmith::simulate {
 namespace {
 

@@ -16,7 +16,6 @@
 #include "simulate/propagators/linear.hpp"
 #include "simulate/propagators/sampled.hpp"
 #include "simulate/record/record_plan.hpp"
-#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 namespace {

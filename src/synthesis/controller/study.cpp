@@ -6,7 +6,6 @@
 #include "base/documents/json.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
-#include "synthesis/controller/as_built.hpp"
 
 namespace bodesmith::controller {
 namespace {

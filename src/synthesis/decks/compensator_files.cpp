@@ -13,9 +13,7 @@
 #include "schematic/analysis/response.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/writers/kicad/schematic.hpp"
-#include "synthesis/circuit.hpp"
 #include "synthesis/circuit_file.hpp"
-#include "synthesis/decks/dialect.hpp"
 #include "synthesis/realisation.hpp"
 
 namespace bodesmith::synthesis {

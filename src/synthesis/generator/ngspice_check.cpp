@@ -9,7 +9,6 @@
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/decks/dialect.hpp"
 #include "synthesis/generator/at_rest.hpp"
-#include "synthesis/generator/circuit.hpp"
 #include "synthesis/generator/files.hpp"
 #include "synthesis/generator/timing.hpp"
 

@@ -12,9 +12,7 @@
 #include "base/text.hpp"
 #include "synthesis/circuit.hpp"
 #include "synthesis/ladders/alternating_chains.hpp"
-#include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/parts/exchange.hpp"
-#include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
 
 namespace bodesmith::synthesis {

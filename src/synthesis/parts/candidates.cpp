@@ -6,7 +6,6 @@
 #include <random>
 
 #include "synthesis/parts/exchange.hpp"
-#include "synthesis/parts/stage_errors.hpp"
 
 namespace bodesmith::synthesis {
 namespace {

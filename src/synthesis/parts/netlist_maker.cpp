@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "synthesis/parts/summing_amplifier.hpp"
-
 namespace bodesmith::synthesis {
 
 using schematic::Part;

@@ -5,16 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <random>
-#include <vector>
 
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "synthesis/parts/candidates.hpp"
-#include "synthesis/parts/stage_errors.hpp"
-#include "synthesis/realisation.hpp"
-#include "synthesis/realise.hpp"
 
 namespace bodesmith::synthesis {
 namespace {

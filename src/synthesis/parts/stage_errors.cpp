@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lti/frequency_grid.hpp"
-#include "lti/judge_responses.hpp"
 #include "numeric/four.hpp"
 #include "numeric/log_and_angle.hpp"
 
@@ -21,8 +19,6 @@ double slope(const Sections& wanted, Hertz f) {
   }
   return std::abs(out);
 }
-
-using Complex = std::complex<double>;
 
 /// weight ln(H/wanted) as re, im, re, …; `wanted` is laid out so too.
 BODESMITH_CLONES void weighted_logarithms(const Biquad& h, const double* w, const double* weight,

@@ -73,8 +73,6 @@ std::vector<size_t> greedy_order(const std::vector<Row>& rows) {
   return order;
 }
 
-using Complex = std::complex<double>;
-
 bool all_real(const Section& section) {
   const auto real = [](Complex r) { return r.imag() == 0.0; };
   return std::all_of(section.zeros.begin(), section.zeros.end(), real) &&

@@ -7,8 +7,6 @@
 namespace bodesmith::tuning {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// C(s) = 1 + ki s^-lambda + kd s^mu/(1 + s/w_d) (I. Podlubny, IEEE Trans. Automatic Control 44 (1999) 208, its derivative
 /// filtered); x = lg(ki/w_c^lambda), lg(kd w_c^mu), lambda, mu. Made as a PI, whose integral leaves no error at rest, times
 /// sections fitted to what is left of C from 1/200 to 100 times the crossover.

@@ -6,8 +6,6 @@
 namespace bodesmith::tuning {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr Eigen::Index kLoop = 4;  ///< numbers without notches
 constexpr Eigen::Index kPerNotch = 3;
 

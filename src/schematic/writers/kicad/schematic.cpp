@@ -3,22 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <compare>
 #include <cstdlib>
-#include <filesystem>
 #include <map>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
-#include "base/files.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "schematic/writers/kicad/devices.hpp"
-#include "schematic/writers/kicad/netlist_groups.hpp"
 #include "schematic/writers/kicad/text.hpp"
 #include "signal/csv.hpp"
 

@@ -32,7 +32,15 @@ std::string Parameter::name() const {
   return element < 0 ? key() : fmt::format("{}[{}]", key(), element);
 }
 
-std::optional<FoundInput> BlockType::inverse(const Block&, const WantedOutput&) const {
+std::optional<FoundInput> BlockType::inverse(const Block& block, const WantedOutput& wanted) const {
+  Kernel kernel = block.kernel();
+  if (const auto* linear = std::get_if<LinearKernel>(&kernel)) {
+    if (linear->order() == 0 && linear->d == 0.0) return std::nullopt;
+    return inverse_of(*linear, wanted);
+  }
+  if (const auto* source = std::get_if<std::unique_ptr<SourceKernel>>(&kernel)) return inverse_of(**source, wanted);
+  if (const auto* sampled = std::get_if<std::unique_ptr<SampledKernel>>(&kernel))
+    return inverse_of(**sampled, wanted);
   return std::nullopt;
 }
 

@@ -118,8 +118,8 @@ class BlockType {
     return std::nullopt;
   }
 
-  /// The input for a wanted output (chain/inverse.hpp). Nothing for blocks without one, which compensate then
-  /// inverts numerically.
+  /// The input for a wanted output (chain/inverse.hpp), by the kernel where that is linear, a source or sampled (the same seed of a
+  /// noise is the same signal). Nothing for blocks without one, a gain of 0 too, which compensate then inverts numerically.
   virtual std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const;
 
   // What other rooms ask of a block, so that none of them has to know it by name.

@@ -1,5 +1,4 @@
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
@@ -29,9 +28,6 @@ class Biquad final : public BlockType {
     k.c = {block.get("lowpass_gain") - high, block.get("bandpass_gain") - damping * high};
     k.d = high;
     return k;
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     const double r = w.hz().value / block.get("natural_frequency_hz");

@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -32,9 +31,6 @@ class Creep final : public BlockType {
       k.b[i] = 1.0 / times[i];
     }
     return k;
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     const auto gains = block.list("gains");

@@ -1,5 +1,4 @@
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
@@ -13,9 +12,6 @@ class Delay final : public BlockType {
     LinearKernel k = gain_kernel(1.0);
     k.delay_s = block.get("delay_s");
     return k;
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return std::polar(1.0, -w.value * block.get("delay_s"));

@@ -7,7 +7,6 @@
 #include "approximate/approximation_error.hpp"
 #include "base/whole_number.hpp"
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
@@ -39,9 +38,6 @@ class FractionalLeadLagBlock final : public BlockType {
       last = unscaled;
     }
     return slowed(made, term.lambda_s);
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return term_of(block).response(w);

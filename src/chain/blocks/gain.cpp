@@ -1,5 +1,4 @@
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
@@ -14,10 +13,6 @@ class Gain final : public BlockType {
                    any_number("offset", "y", "constant added to the output").with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override {
     return gain_kernel(block.get("gain"), block.get("offset"));
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    if (block.get("gain") == 0.0) return std::nullopt;
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond) const override {
     return block.get("gain");

@@ -1,5 +1,4 @@
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
@@ -20,9 +19,6 @@ class Highpass final : public BlockType {
     k.c = {-block.get("gain")};
     k.d = block.get("gain");
     return k;
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     const double ratio = w.hz().value / block.get("corner_hz");

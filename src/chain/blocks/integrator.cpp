@@ -1,5 +1,4 @@
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -23,9 +22,6 @@ class Integrator final : public BlockType {
     k.c = {1.0};
     k.d = block.get("proportional");
     return k;
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return block.get("gain_per_s") / std::complex<double>(0.0, w.value) + block.get("proportional");

@@ -2,7 +2,6 @@
 #include <cstddef>
 
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
@@ -61,9 +60,6 @@ class ParallelModes final : public BlockType {
       k.d += gains[i] * ratio * ratio;
     }
     return k;
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     // Asked for each point of each run: in the order of the specs, without copies.

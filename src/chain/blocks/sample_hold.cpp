@@ -2,7 +2,6 @@
 #include <numbers>
 
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -39,9 +38,6 @@ class SampleHold final : public BlockType {
   }
   Kernel kernel(const Block& block) const override {
     return std::make_unique<Hold>(block.get("clock_hz"), block.flag("half_cycle"));
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(*std::get<std::unique_ptr<SampledKernel>>(block.kernel()), wanted);
   }
 };
 

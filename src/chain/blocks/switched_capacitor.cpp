@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::chain {
@@ -94,9 +93,6 @@ class SwitchedCapacitor final : public BlockType {
     return {};
   }
   Kernel kernel(const Block& block) const override { return std::make_unique<SectionKernel>(block); }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(*std::get<std::unique_ptr<SampledKernel>>(block.kernel()), wanted);
-  }
 };
 
 }  // namespace

@@ -1,6 +1,5 @@
 
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
@@ -20,10 +19,6 @@ class VoltageControlledGain final : public BlockType {
                  .with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override {
     return gain_kernel(gain_of(block), block.get("control_feedthrough") * block.get("control_v"));
-  }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    if (gain_of(block) == 0.0) return std::nullopt;
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond) const override {
     return gain_of(block);

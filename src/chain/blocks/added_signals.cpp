@@ -3,11 +3,65 @@
 
 #include "base/whole_number.hpp"
 #include "chain/block.hpp"
-#include "chain/inverse.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::chain {
 namespace {
+
+/// y = u + a signal that does not depend on u.
+class AddedSignal : public BlockType {
+ public:
+  using BlockType::BlockType;
+  std::optional<Complex> response(const Block&, RadPerSecond) const final { return 1.0; }
+};
+
+class HumSource final : public SourceKernel {
+ public:
+  HumSource(double amplitude, double w, double phase) : amplitude_(amplitude), w_(w), phase_(phase) {}
+  double value(double t) const override { return amplitude_ * std::sin(w_ * t + phase_); }
+  double rate(double t) const override { return amplitude_ * w_ * std::cos(w_ * t + phase_); }
+
+ private:
+  double amplitude_;
+  double w_;
+  double phase_;
+};
+
+/// y = u + amplitude sin(2 pi frequency_hz t + phase_deg), t as in the record's time_s.
+class Hum final : public AddedSignal {
+ public:
+  Hum()
+      : AddedSignal("hum", "adds a sinusoid of the mains",
+                    {any_number("amplitude", "y", "peak, units of the signal"),
+                     above_zero("frequency_hz", "Hz", "frequency"),
+                     any_number("phase_deg", "deg", "phase at t = 0").with_default(0.0)}) {}
+  Kernel kernel(const Block& block) const override {
+    return std::make_unique<HumSource>(block.get("amplitude"), Hertz{block.get("frequency_hz")}.rad_s().value,
+                                       to_radians(block.get("phase_deg")));
+  }
+};
+
+class DriftSource final : public SourceKernel {
+ public:
+  explicit DriftSource(double rate) : rate_(rate) {}
+  double value(double t) const override { return rate_ * t; }
+  double rate(double) const override { return rate_; }
+  bool straight() const override { return true; }
+
+ private:
+  double rate_;
+};
+
+/// y = u + rate_per_s t, t as in the record's time_s.
+class Drift final : public AddedSignal {
+ public:
+  Drift()
+      : AddedSignal("drift", "adds a slow straight line",
+                    {any_number("rate_per_s", "y/s", "units of the signal a second")}) {}
+  Kernel kernel(const Block& block) const override {
+    return std::make_unique<DriftSource>(block.get("rate_per_s"));
+  }
+};
 
 /// Straight lines between independent normal numbers T apart: variance 2/3 of theirs, two-sided density
 /// sigma^2 T sinc^4(fT).
@@ -68,10 +122,10 @@ class NoiseSource final : public SourceKernel {
 /// y = u + noise of one-sided density density_per_rthz^2 (1 + corner_hz/f) up to about bandwidth_hz (half its
 /// power at 0.64 bandwidth), 1/f down to lowest_hz within 1 dB. The same seed is the same signal for every
 /// engine. kT/C noise belongs to a switched_capacitor block.
-class Noise final : public BlockType {
+class Noise final : public AddedSignal {
  public:
   Noise()
-      : BlockType(
+      : AddedSignal(
             "noise", "adds white and 1/f noise",
             {not_negative("density_per_rthz", "y/√Hz", "white density, units of the signal per root hertz"),
              above_zero("bandwidth_hz", "Hz", "where the noise ends"),
@@ -79,15 +133,12 @@ class Noise final : public BlockType {
              above_zero("lowest_hz", "Hz", "where 1/f noise ends").with_default(1e-3),
              between("seed", "1", "of the random numbers", 0.0, 9e15).with_default(1.0)}) {}
   Kernel kernel(const Block& block) const override { return std::make_unique<NoiseSource>(block); }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    // The same seed is the same signal, so a model's noise is known; a stage's own is not.
-    return inverse_of(*std::get<std::unique_ptr<SourceKernel>>(block.kernel()), wanted);
-  }
-  std::optional<std::complex<double>> response(const Block&, RadPerSecond) const override { return 1.0; }
 };
 
 }  // namespace
 
+BODESMITH_ENTRY(BlockType, hum_block, Hum)
+BODESMITH_ENTRY(BlockType, drift_block, Drift)
 BODESMITH_ENTRY(BlockType, noise_block, Noise)
 
 }  // namespace bodesmith::chain

@@ -92,7 +92,7 @@ struct Fault {
   }
 };
 
-/// A kind of fault: where on a board it can be. Each is an object in a file of its own in kinds/.
+/// A kind of fault: where on a board it can be. Each is an object in a file of kinds/.
 class FaultKind {
  public:
   virtual ~FaultKind() = default;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,17 +11,17 @@
 namespace bodesmith::faults {
 namespace {
 
-/// A load between a node and ground whose size is exp(t).
+/// A load between a node and ground whose size, ohms or farads, is exp(t).
 struct Load {
   double least = 0.0;  ///< exp(t) lies between these beforehand
   double most = 0.0;
-  /// Its stamp at a node, of exp(t).
-  std::function<Stamp(const CircuitBoard& board, const std::string& node, double value)> stamp;
-  std::string unit;  ///< for a person
-  std::string key;   ///< for files
-  std::string words_end;
-  /// What to do about it, of "the output" or "node n1".
-  std::function<std::string(const std::string& where)> rework;
+  bool resistive = false;
+  std::string_view words_end;
+  std::string_view rework;  ///< what to do about it; {} is "the output" or "node n1"
+
+  Stamp stamp(const CircuitBoard& board, const std::string& node, double value) const {
+    return board.admittance(node, "0", resistive ? 1.0 / value : 0.0, resistive ? 0.0 : value);
+  }
 };
 
 /// How an op-amp takes a load at its output is known no better than the op-amp itself; between passive parts a load is one
@@ -41,20 +40,23 @@ std::vector<Fault> load_faults(const CircuitBoard& board, const Load& load) {
   for (const std::string& node : board.nodes()) {
     const std::string where = node == "out" ? "the output" : "node " + node;
     Fault fault = Fault::of(where, load.least, load.most);
-    fault.effect = [&board, node, stamp = load.stamp, driven = is_driven(board, node)](double t) {
+    fault.effect = [&board, node, load, driven = is_driven(board, node)](double t) {
       Effect effect;
-      effect.stamps = {stamp(board, node, std::exp(t))};
+      effect.stamps = {load.stamp(board, node, std::exp(t))};
       if (driven) {
         effect.model_error = kLoadModelError;
         effect.stamps[0].rough = true;
       }
       return effect;
     };
-    fault.words = [where, unit = load.unit, end = load.words_end](double t) {
-      return fmt::format("{} is loaded with {} to ground{}", where, engineering_text(std::exp(t), unit), end);
+    fault.words = [where, load](double t) {
+      return fmt::format("{} is loaded with {} to ground{}", where,
+                         engineering_text(std::exp(t), load.resistive ? "Ω" : "F"), load.words_end);
     };
-    fault.size = [key = load.key](double t) { return FaultSize{key, std::exp(t)}; };
-    fault.rework = load.rework(where);
+    fault.size = [load](double t) {
+      return FaultSize{load.resistive ? "value_ohm" : "value_f", std::exp(t)};
+    };
+    fault.rework = fmt::format(fmt::runtime(load.rework), where);
     out.push_back(std::move(fault));
   }
   return out;
@@ -73,15 +75,8 @@ class CapacitiveLoad : public FaultKind {
   double prior() const override { return 0.06; }
 
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
-    return load_faults(board, {kLeast_F, kMost_F,
-                               [](const CircuitBoard& on, const std::string& node, double farad) {
-                                 return on.admittance(node, "0", 0.0, farad);
-                               },
-                               "F", "value_f", " (a cable or probe)",
-                               [](const std::string& where) {
-                                 return fmt::format(
-                                     "take what is connected to {} away, or put a buffer before it", where);
-                               }});
+    return load_faults(board, {kLeast_F, kMost_F, false, " (a cable or probe)",
+                               "take what is connected to {} away, or put a buffer before it"});
   }
 };
 
@@ -98,17 +93,9 @@ class ResistiveLoad : public FaultKind {
   double prior() const override { return 0.06; }
 
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
-    return load_faults(
-        board, {kLeast_Ohm, kMost_Ohm,
-                [](const CircuitBoard& on, const std::string& node, double ohm) {
-                  return on.admittance(node, "0", 1.0 / ohm, 0.0);
-                },
-                "Ω", "value_ohm", "",
-                [](const std::string& where) {
-                  return fmt::format(
-                      "take what loads {} away (cable, probe, solder bridge), or put a buffer before it",
-                      where);
-                }});
+    return load_faults(board,
+                       {kLeast_Ohm, kMost_Ohm, true, "",
+                        "take what loads {} away (cable, probe, solder bridge), or put a buffer before it"});
   }
 };
 

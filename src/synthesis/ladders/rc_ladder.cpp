@@ -1,12 +1,9 @@
 #include "synthesis/ladders/rc_ladder.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <map>
-#include <utility>
 
 namespace bodesmith::synthesis {
 
@@ -16,55 +13,8 @@ std::complex<double> RcImpedance::operator()(std::complex<double> s) const {
   return out;
 }
 
-namespace ladder_synthesis {
-
-Scaled scaled(const RcImpedance& z) {
-  Scaled out;
-  out.high = z.high;
-  out.centre = std::sqrt(static_cast<Real>(z.poles.front()) * z.zeros.back());
-  for (const double pole : z.poles) out.poles.push_back(pole / out.centre);
-  for (const double zero : z.zeros) out.zeros.push_back(zero / out.centre);
-  return out;
-}
-
-Polynomial from_roots(const std::vector<Real>& roots) {
-  Polynomial out = {1.0L};
-  for (const Real root : roots) {
-    Polynomial next(out.size() + 1, 0.0L);
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      next[i] += root * out[i];
-      next[i + 1] += out[i];
-    }
-    out = std::move(next);
-  }
-  return out;
-}
-
-std::vector<Real> continued_fraction(Polynomial p, Polynomial q) {
-  std::vector<Real> out;
-  while (!q.empty() && !p.empty()) {
-    const std::size_t shift = p.size() - q.size();
-    const Real quotient = p.back() / q.back();
-    out.push_back(quotient);
-    for (std::size_t i = 0; i < q.size(); ++i) p[i + shift] -= quotient * q[i];
-    p.pop_back();
-    std::swap(p, q);
-  }
-  return out;
-}
-
-void Drawing::resistor(const std::string& from, const std::string& to, Real value) {
-  parts_.push_back({true, fmt::format("R{}", ++resistors_), from, to, static_cast<double>(value)});
-}
-
-void Drawing::capacitor(const std::string& from, const std::string& to, Real value) {
-  parts_.push_back({false, fmt::format("C{}", ++capacitors_), from, to, static_cast<double>(value)});
-}
-
-}  // namespace ladder_synthesis
-
 RcImpedance impedance_of(const std::vector<LadderPart>& parts) {
-  using Matrix = Eigen::Matrix<ladder_synthesis::Real, Eigen::Dynamic, Eigen::Dynamic>;
+  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   std::map<std::string, Eigen::Index> places = {{"b", -1}, {"a", 0}};
   Eigen::Index nodes = 1, capacitors = 0;
   for (const LadderPart& one : parts) {
@@ -93,7 +43,7 @@ RcImpedance impedance_of(const std::vector<LadderPart>& parts) {
     const Matrix ohm = at.transpose() * siemens.bottomRightCorner(seen, seen).llt().solve(at);
     const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(elastance, ohm, Eigen::EigenvaluesOnly);
     std::vector<double> out;
-    for (const ladder_synthesis::Real value : solver.eigenvalues()) out.push_back(static_cast<double>(value));
+    for (const long double value : solver.eigenvalues()) out.push_back(static_cast<double>(value));
     return out;
   };
   // Z at the terminals less what the capacitors short at high frequencies.
@@ -105,4 +55,5 @@ RcImpedance impedance_of(const std::vector<LadderPart>& parts) {
   return {frequencies(nodes), frequencies(nodes - 1),
           static_cast<double>(z(0, 0) - (z.topRightCorner(1, capacitors) * shorted)(0, 0))};
 }
+
 }  // namespace bodesmith::synthesis

@@ -50,23 +50,23 @@ Answer analog_controller(const Call& call) {
       positive_or(o, "amplitude", 1.0));
   const Stopwatch watch;
   const generator::DisturbanceCircuit built = generator::make_controller(disturbance, options);
-  const auto cases = checked ? controller::measure_as_built(built, built.tracked, reference)
-                             : controller::predict_as_built(built, reference);
-  Json body = controller::controller_json(built);
+  const auto cases = checked ? generator::measure_as_built(built, built.tracked, reference)
+                             : generator::predict_as_built(built, reference);
+  Json body = generator::controller_json(built);
   body["reference"] = {{"waveform", std::string(to_string(reference.shape()))},
                        {"amplitude", reference.alpha()}};
-  body[checked ? "as_built" : "predicted"] = controller::to_json(cases);
+  body[checked ? "as_built" : "predicted"] = generator::to_json(cases);
   const double seconds = watch.seconds();
-  const auto loop = checked ? controller::checked_loop_stability(built) : controller::loop_stability(built);
-  controller::require_stable(loop, o.boolean_or("allow_unstable", false));
-  if (!loop.at.empty()) body["stability"] = controller::to_json(loop);
+  const auto loop = checked ? generator::checked_loop_stability(built) : generator::loop_stability(built);
+  generator::require_stable(loop, o.boolean_or("allow_unstable", false));
+  if (!loop.at.empty()) body["stability"] = generator::to_json(loop);
   Answer out;
   out.result = document("analog_controller", body, seconds);
   out.warnings = built.warnings;
-  if (const std::string warning = controller::loop_warning(loop); !warning.empty())
+  if (const std::string warning = generator::loop_warning(loop); !warning.empty())
     out.warnings.push_back(warning);
   OutputSet files;
-  controller::add_controller_files(built, "controller", body, files, "");
+  generator::add_controller_files(built, "controller", body, files, "");
   for (const auto& path : files.paths()) {
     if (path != "controller.json") out.files[path.string()] = *files.content(path);
   }

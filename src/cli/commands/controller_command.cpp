@@ -103,10 +103,10 @@ std::string built_summary(const generator::DisturbanceCircuit& built) {
   return text;
 }
 
-std::string as_built_summary(const std::vector<controller::AsBuilt>& cases, bool checked) {
+std::string as_built_summary(const std::vector<generator::AsBuilt>& cases, bool checked) {
   std::string text = fmt::format("tracking error, rms in percent of range, {}:\n",
                                  checked ? "ngspice and a stage that reads its drive" : "by CVODE");
-  for (const controller::AsBuilt& one : cases) {
+  for (const generator::AsBuilt& one : cases) {
     text += fmt::format("{:>8} Hz: {}, without lag {} (no controller {})", rounded_text(one.frequency.value),
                         rounded_text(one.error.rms_percent, 3),
                         rounded_text(one.error.rms_percent_without_lag, 3),
@@ -142,12 +142,12 @@ std::string add_part_errors(const CommandLine& line, const generator::Disturbanc
     text = tolerance::summary_text(report, built);
   } else {
     report.loop =
-        line.has("check") ? controller::checked_loop_stability(built) : controller::loop_stability(built);
-    controller::require_stable(report.loop, line.has("allow-unstable"));
-    if (!report.loop.at.empty()) json["stability"] = controller::to_json(report.loop);
-    text = controller::summary_text(report.loop);
+        line.has("check") ? generator::checked_loop_stability(built) : generator::loop_stability(built);
+    generator::require_stable(report.loop, line.has("allow-unstable"));
+    if (!report.loop.at.empty()) json["stability"] = generator::to_json(report.loop);
+    text = generator::summary_text(report.loop);
   }
-  if (const std::string warning = controller::loop_warning(report.loop); !warning.empty()) note(warning);
+  if (const std::string warning = generator::loop_warning(report.loop); !warning.empty()) note(warning);
   return text;
 }
 
@@ -174,9 +174,9 @@ int run_controller(const std::vector<std::string>& arguments) {
   const Stopwatch watch;
   const generator::DisturbanceCircuit built = generator::make_controller(disturbance, options);
   const bool checked = line.has("check");
-  const std::vector<controller::AsBuilt> cases =
-      checked ? controller::measure_as_built(built, built.tracked, reference)
-              : controller::predict_as_built(built, reference);
+  const std::vector<generator::AsBuilt> cases =
+      checked ? generator::measure_as_built(built, built.tracked, reference)
+              : generator::predict_as_built(built, reference);
   const double compute_s = watch.seconds();
   for (const std::string& warning : built.warnings) note(warning);
   if (built.stroke && reference.alpha() != 1.0 && reference.turns().size() > 2)
@@ -187,16 +187,16 @@ int run_controller(const std::vector<std::string>& arguments) {
         "made for full strokes: at {} of it the stage's loop is another one (an `amplitude` table builds gains for it)",
         rounded_text(reference.alpha())));
 
-  Json json = controller::controller_json(built);
+  Json json = generator::controller_json(built);
   json["reference"] = {{"waveform", std::string(to_string(reference.shape()))},
                        {"amplitude", reference.alpha()}};
-  json[checked ? "as_built" : "predicted"] = controller::to_json(cases);
+  json[checked ? "as_built" : "predicted"] = generator::to_json(cases);
   json = timed_document("analog_controller", from, json, compute_s);
   std::string text = built_summary(built) + as_built_summary(cases, checked);
-  const bool met = keeps_limit(limit, controller::worst_percent(cases), "%", text, json);
+  const bool met = keeps_limit(limit, generator::worst_percent(cases), "%", text, json);
   OutputSet out(line.output_path());
   text += add_part_errors(line, built, reference, json, out);
-  controller::add_controller_files(built, fmt::format("controller from {}", line.files()[0]), json, out, "");
+  generator::add_controller_files(built, fmt::format("controller from {}", line.files()[0]), json, out, "");
   out.commit();
   return print_summary(line, text, json, met);
 }

@@ -106,7 +106,7 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   out.add("draws.csv", tolerance::draws_csv(report.study));
   out.commit();
   std::vector<std::string> warnings = made.warnings;
-  if (const std::string warning = controller::loop_warning(report.loop); !warning.empty())
+  if (const std::string warning = generator::loop_warning(report.loop); !warning.empty())
     warnings.push_back(warning);
   warn_each(warnings);
   std::string text = tolerance::summary_text(report, made);

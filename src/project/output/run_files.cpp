@@ -73,13 +73,13 @@ void add_layout(const Run& run, OutputSet& out) {
 void add_controller(const Run& run, OutputSet& out) {
   const generator::DisturbanceCircuit& controller = *run.design.controller;
   Json json = json_header("analog_controller", run.from);
-  json.update(controller::controller_json(controller));
+  json.update(generator::controller_json(controller));
   if (run.part_errors) {
     json.update(tolerance::to_json(*run.part_errors, controller));
     out.add("controller/trim.md",
             tolerance::trim_page(*run.part_errors, controller, "the controller of " + run.project.name));
   }
-  controller::add_controller_files(controller, run.project.name, json, out);
+  generator::add_controller_files(controller, run.project.name, json, out);
 }
 
 }  // namespace

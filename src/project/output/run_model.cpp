@@ -102,7 +102,7 @@ class ControllerAtRest final : public tracking::BuiltController {
   std::string key() const override { return "controller_at_rest"; }
   std::string name() const override { return "analog controller (closed form, at rest)"; }
   int part_count() const override {
-    return controller::CircuitController(controller_, std::nullopt).part_count();
+    return generator::CircuitController(controller_, std::nullopt).part_count();
   }
   tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override {
     const Block loop = loop_of(*controller_, disturbance_, operating,

@@ -30,7 +30,7 @@ report::Table share_table(const std::vector<tolerance::Share>& parts) {
   return table;
 }
 
-std::string stability_sentence(const controller::LoopStability& loop) {
+std::string stability_sentence(const generator::LoopStability& loop) {
   if (loop.at.empty()) return "The op-amps are ideal: the stability of the loop was not looked at.";
   std::string out = fmt::format(
       "The generator's loop has a gain of at most {}{}. The least phase margin of an op-amp with all its feedback is {}° "
@@ -55,7 +55,7 @@ void part_errors_chapter(report::Page& page, const Run& run) {
              "Copies as they are built, and trimmed blind by the steps of controller/trim.md");
   page.table(share_table(report.study.parts), "Parts that matter most, untrimmed");
   page.paragraph(stability_sentence(report.loop));
-  if (const std::string warning = controller::loop_warning(report.loop); !warning.empty())
+  if (const std::string warning = generator::loop_warning(report.loop); !warning.empty())
     page.warning(warning);
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <optional>
 #include <set>
 
@@ -109,23 +108,14 @@ class BoardTracker {
 
 /// The reference r, an ideal generator, its switch, and the board before that switch (tracking::Options::Place).
 ngspice::Transient BoardTracker::run_in_ngspice(const Window& window) const {
-  constexpr double kSwitched = 1e-6;  // of a repeat
-  const int repeats = whole_number<int>(std::ceil(window.end_s() / window.repeat_s));
-  std::string rising;
-  for (int i = 0; i <= repeats; ++i) {
-    for (std::size_t piece = 0; piece < window.reference.turns().size(); ++piece) {
-      const double at = window.reference.turns()[piece] + i;
-      const int up = tracking::Reference::rises(piece) ? 1 : 0;
-      if (at > 0.0) rising += fmt::format("{:.15g} {} ", (at - kSwitched) * window.repeat_s, 1 - up);
-      rising += fmt::format("{:.15g} {}\n+ ", at * window.repeat_s, up);
-    }
-  }
+  const double repeats = std::ceil(window.end_s() / window.repeat_s);
   const Disturbance::Branch branch = project_.target.branch;
   const bool up = branch == Disturbance::Branch::ascending;
   const std::string deck = fmt::format(
-      "board\n{}{}{}Vg g 0 PWL({})\nBw w 0 V={:.15g}*{}\nXb w c board\nRc c 0 1e9\nBv v 0 V=V(r)-{}*V(c)/{:.15g}-{}*{}\n{}\n",
-      kSteps, netlist_, controller::reference_sources(window.reference, window.operating, repeats), rising,
-      volts_, polynomial(branch), up ? "V(g)" : "(1-V(g))", volts_, up ? "(1-V(g))" : "V(g)",
+      "board\n{}{}{}{}Bw w 0 V={:.15g}*{}\nXb w c board\nRc c 0 1e9\nBv v 0 V=V(r)-{}*V(c)/{:.15g}-{}*{}\n{}\n",
+      kSteps, netlist_, generator::reference_sources(window.reference, window.operating, 0.0, repeats),
+      generator::rising_source(window.reference, window.operating, 0.0, repeats), volts_, polynomial(branch),
+      up ? "V(rising)" : "(1-V(rising))", volts_, up ? "(1-V(rising))" : "V(rising)",
       polynomial(up ? Disturbance::Branch::descending : Disturbance::Branch::ascending),
       fpaa::board_deck_options());
   return ngspice::run_transient(deck, {"v", "w", "c"},
@@ -244,10 +234,12 @@ class BoardControllerTracker {
       // On an edge of the clock as it stands at the repeat's begin.
       const double start_s =
           (std::floor(static_cast<double>(from) * drive.step_s * clock_hz_) - kLoopClocks) / clock_hz_;
-      const double stop_s = static_cast<double>(to) * drive.step_s - start_s;
+      const double end_s = static_cast<double>(to) * drive.step_s, stop_s = end_s - start_s;
+      const double start = start_s / repeat_s, end = end_s / repeat_s;
       const ngspice::Transient run = ngspice::run_transient(
-          fmt::format("board controller\n{}{}{}Xc r rising v controller\nRv v 0 1e9\n{}\n", kSteps, netlist,
-                      sources(start_s / repeat_s, stop_s / repeat_s, repeat_s), fpaa::board_deck_options()),
+          fmt::format("board controller\n{}{}{}{}Xc r rising v controller\nRv v 0 1e9\n{}\n", kSteps, netlist,
+                      generator::reference_sources(reference_, f, start, end),
+                      generator::rising_source(reference_, f, start, end), fpaa::board_deck_options()),
           {"v"}, 1.0 / clock_hz_, stop_s, "board_controller.sub");
       std::size_t place = 1;
       for (std::size_t k = from; k < to; ++k)
@@ -259,45 +251,6 @@ class BoardControllerTracker {
  private:
   static constexpr double kLoopClocks = 80.0;  ///< a round takes two to four and leaves less than half
   static constexpr std::size_t kParts = 2;
-  static constexpr int kPoints = 2048;  ///< of a reference that is curved
-
-  /// r and whether it rises, from a phase on; phases in repeats.
-  std::string sources(double start, double length, double repeat_s) const {
-    constexpr double kSwitched = 1e-6;
-    std::map<double, std::string> r, rising;
-    const auto add = [&](double phase, std::map<double, std::string>& to, double value) {
-      to[phase] = fmt::format(" {:.15g} {:.15g}", (phase - start) * repeat_s, value);
-    };
-    const auto in_repeat = [](double phase) { return phase - std::floor(phase); };
-    const auto rises = [&](double phase) {
-      return tracking::Reference::rises(reference_.piece(in_repeat(phase))) ? 1.0 : 0.0;
-    };
-    const double end = start + length;
-    add(start, r, reference_.value(in_repeat(start)));
-    add(start, rising, rises(start));
-    for (double repeat = std::floor(start); repeat <= end; repeat += 1.0) {
-      for (const double turn : reference_.turns()) {
-        const double phase = repeat + turn;
-        if (phase <= start) continue;
-        add(phase, r, reference_.value(turn));
-        add(phase - kSwitched, rising, rises(phase - kSwitched));
-        add(phase, rising, rises(phase + kSwitched));
-      }
-      const auto shape = reference_.shape();
-      const bool curved =
-          shape == tracking::Reference::Shape::sine || shape == tracking::Reference::Shape::two_tone;
-      for (int i = 0; curved && i < kPoints; ++i) {
-        const double phase = repeat + static_cast<double>(i) / kPoints;
-        if (phase > start) add(phase, r, reference_.value(in_repeat(phase)));
-      }
-    }
-    const auto source = [](const char* node, const std::map<double, std::string>& points) {
-      std::string out = fmt::format("V{0} {0} 0 PWL(", node);
-      for (const auto& [phase, point] : points) out += "\n+" + point;
-      return out + ")\n";
-    };
-    return source("r", r) + source("rising", rising);
-  }
 
   const Project& project_;
   tracking::Reference reference_ = tracking::Reference(project_.track.waveform(), project_.track.amplitude());

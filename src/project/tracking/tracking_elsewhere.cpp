@@ -131,12 +131,11 @@ std::vector<RunningController> running_controllers(
   const bool ngspice = ngspice::is_available(), circuit = project.circuit && analog;
   std::vector<RunningController> out;
   if (circuit && ngspice)
-    out.push_back(
-        {std::make_unique<controller::CircuitController>(analog, controller::NgspiceRun::of_many())});
+    out.push_back({std::make_unique<generator::CircuitController>(analog, generator::NgspiceRun::of_many())});
   for (fpaa::ControllerVariant& variant : board_controllers(project))
     out.push_back({std::make_unique<BoardController>(std::move(variant), project.target.disturbance)});
   if (circuit) {
-    out.push_back({std::make_unique<controller::CircuitController>(analog, std::nullopt), !ngspice, false});
+    out.push_back({std::make_unique<generator::CircuitController>(analog, std::nullopt), !ngspice, false});
     out.push_back({controller_at_rest(project, analog), false, false});
   }
   return out;
@@ -167,7 +166,7 @@ std::optional<double> make_drives(const Project& project, const generator::Distu
   for (std::size_t i = 0; i < apart.size(); ++i) {
     all.emplace_back([&, i] {
       auto [ngspice, cvode, percent] =
-          controller::run_in_both(*analog, main, frequencies[i], controller::NgspiceRun::of_one(main));
+          generator::run_in_both(*analog, main, frequencies[i], generator::NgspiceRun::of_one(main));
       by_ngspice->drives[key_of(main)][i] = {std::move(ngspice.v), ngspice.step_s};
       by_cvode->drives[key_of(main)][i] = {std::move(cvode.v), cvode.step_s};
       apart[i] = percent;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
@@ -13,16 +14,17 @@
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/generator/timing.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 using tracking::Reference;
 
+double in_repeat(double phase) {
+  return phase - std::floor(phase);
+}
+
 schematic::InTime::Input repeating(const Reference& reference, double repeat_s) {
-  return [&reference, repeat_s](double t) {
-    const double theta = t / repeat_s;
-    return reference.value(theta - std::floor(theta));
-  };
+  return [&reference, repeat_s](double t) { return reference.value(in_repeat(t / repeat_s)); };
 }
 
 constexpr int kMostRepeats = 20;
@@ -31,8 +33,18 @@ constexpr double kSettled = 10.0;
 
 /// SIN(offset amplitude frequency delay damping phase): -cos is a sine that begins 90 degrees earlier.
 std::string sine_source(const std::string& name, const std::string& from, const std::string& to,
-                        double offset, double top, double f) {
-  return fmt::format("{} {} {} SIN({:.15g} {:.15g} {:.15g} 0 0 -90)\n", name, from, to, offset, top, f);
+                        double offset, double top, double f, double start_s) {
+  return fmt::format("{} {} {} SIN({:.15g} {:.15g} {:.15g} 0 0 {:.15g})\n", name, from, to, offset, top, f,
+                     360.0 * std::fmod(f * start_s, 1.0) - 90.0);
+}
+
+/// Straight lines through the volts at phases, in repeats.
+std::string line_source(const char* node, const std::map<double, double>& volts, double start,
+                        double repeat_s) {
+  std::string out = fmt::format("V{0} {0} 0 PWL(", node);
+  for (const auto& [phase, v] : volts)
+    out += fmt::format("\n+ {:.15g} {:.15g}", (phase - start) * repeat_s, v);
+  return out + ")\n";
 }
 
 ngspice::Transient run_as_tightly_as_it_goes(const std::string& deck, bool tight, double step_s,
@@ -98,7 +110,7 @@ SteadyState run_in_cvode(const DisturbanceCircuit& controller, const Reference& 
 }
 
 double switch_delay_s(const DisturbanceCircuit& controller, const Reference& reference, Hertz operating) {
-  const generator::SlopeDetector detector(controller.detector_netlist(), "r");
+  const SlopeDetector detector(controller.detector_netlist(), "r");
   const double repeat = static_cast<double>(reference.periods()) / operating.value;
   const double turn = reference.turns().back(), next = reference.turns()[1];
   const std::optional<double> delay =
@@ -110,28 +122,40 @@ double switch_delay_s(const DisturbanceCircuit& controller, const Reference& ref
   return *delay + controller.analog_switch.on_delay_s;
 }
 
-std::string reference_sources(const Reference& reference, Hertz operating, int repeats) {
+std::string reference_sources(const Reference& reference, Hertz operating, double start, double end) {
   const double f = operating.value, half = 0.5 * reference.alpha();
+  const double repeat = static_cast<double>(reference.periods()) / f, start_s = start * repeat;
   switch (reference.shape()) {
     case Reference::Shape::sine:
-      return sine_source("Vr", "r", "0", half, half, f);
+      return sine_source("Vr", "r", "0", half, half, f, start_s);
     case Reference::Shape::two_tone:
-      return sine_source("Vr1", "r", "tone3", half, half / 1.5, f) +
-             sine_source("Vr3", "tone3", "0", 0.0, half / 3.0, 3.0 * f);
+      return sine_source("Vr1", "r", "tone3", half, half / 1.5, f, start_s) +
+             sine_source("Vr3", "tone3", "0", 0.0, half / 3.0, 3.0 * f, start_s);
     default:
       break;
   }
-  const double repeat = static_cast<double>(reference.periods()) / f;
-  std::string points;
-  int count = 0;
-  for (int i = 0; i <= repeats; ++i) {
+  std::map<double, double> volts;
+  for (const double phase : {start, end}) volts[phase] = reference.value(in_repeat(phase));
+  for (double whole = std::floor(start); whole < end; whole += 1.0) {
     for (const double theta : reference.turns()) {
-      points += fmt::format(" {:.15g} {:.15g}", (i + theta) * repeat, reference.value(theta));
-      if (++count % 8 == 0) points += "\n+";
-      if (i == repeats) break;
+      if (whole + theta > start && whole + theta < end) volts[whole + theta] = reference.value(theta);
     }
   }
-  return fmt::format("Vr r 0 PWL({})\n", points.substr(1));
+  return line_source("r", volts, start, repeat);
+}
+
+std::string rising_source(const Reference& reference, Hertz operating, double start, double end) {
+  constexpr double kSwitched = 1e-6;  // of a repeat
+  std::map<double, double> volts{{start, Reference::rises(reference.piece(in_repeat(start))) ? 1.0 : 0.0}};
+  for (double whole = std::floor(start); whole <= end; whole += 1.0) {
+    for (std::size_t piece = 0; piece < reference.turns().size(); ++piece) {
+      const double phase = whole + reference.turns()[piece];
+      if (phase - kSwitched <= start || phase > end) continue;
+      volts[phase] = Reference::rises(piece) ? 1.0 : 0.0;
+      volts[phase - kSwitched] = 1.0 - volts[phase];
+    }
+  }
+  return line_source("rising", volts, start, static_cast<double>(reference.periods()) / operating.value);
 }
 
 int repeats_to_settle(const DisturbanceCircuit& controller, double repeat_s) {
@@ -149,10 +173,9 @@ SteadyState run_in_ngspice(const DisturbanceCircuit& controller, const Reference
   const double settle = slowest <= options.settle_repeats * repeat
                             ? options.settle_repeats
                             : static_cast<double>(repeats_to_settle(controller, repeat));
-  const std::string deck =
-      controller_library(controller, "controller", {options.off, false}) +
-      reference_sources(reference, operating, whole_number<int>(std::ceil(settle + 1.0))) +
-      "Xc r v controller\n";
+  const std::string deck = controller_library(controller, "controller", {options.off, false}) +
+                           reference_sources(reference, operating, 0.0, std::ceil(settle + 1.0)) +
+                           "Xc r v controller\n";
   const ngspice::Transient run = run_as_tightly_as_it_goes(deck, !(operating < options.tight_from),
                                                            period / options.steps, (settle + 1.0) * repeat);
   const std::size_t samples = options.samples * reference.periods();
@@ -208,4 +231,4 @@ tracking::DriveWaveform CircuitController::drive(const tracking::Reference& refe
   return {run.v, run.step_s};
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

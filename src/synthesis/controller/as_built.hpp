@@ -11,7 +11,7 @@
 #include "tracking/reference.hpp"
 #include "tracking/stage.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 
 /// One repeat of the reference in steady state, sampled uniformly from its phase 0 on.
 struct SteadyState {
@@ -53,8 +53,11 @@ int repeats_to_settle(const DisturbanceCircuit& controller, double repeat_s);
 SteadyState run_in_ngspice(const DisturbanceCircuit& controller, const tracking::Reference& reference,
                            Hertz operating, const NgspiceRun& options = {});
 
-/// Independent sources that make the reference from node `r` to ground, for a deck.
-std::string reference_sources(const tracking::Reference& reference, Hertz operating, int repeats);
+/// Independent sources that make the reference from node `r` to ground, for a deck; from phase `start`, at 0 s, to `end`, in repeats.
+std::string reference_sources(const tracking::Reference& reference, Hertz operating, double start,
+                              double end);
+/// The same of 1 V at node `rising` while it rises, else 0.
+std::string rising_source(const tracking::Reference& reference, Hertz operating, double start, double end);
 
 /// What the disturbance paper's stage makes of the drive, reading it, against r: y = v + K_b(f) d_b(v), with amplitude gains
 /// y = v + K_b(f) g_b(alpha) d_b(v/alpha), alpha the reference's stroke.
@@ -89,4 +92,4 @@ class CircuitController final : public tracking::BuiltController {
   std::optional<NgspiceRun> options_;
 };
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

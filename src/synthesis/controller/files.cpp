@@ -9,7 +9,7 @@
 #include "schematic/writers/kicad/schematic.hpp"
 #include "schematic/writers/parts_table.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 Json curve_json(const DisturbanceCircuit& controller) {
@@ -97,4 +97,4 @@ void add_controller_files(const DisturbanceCircuit& controller, const std::strin
                              out, folder);
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

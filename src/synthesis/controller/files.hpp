@@ -7,7 +7,7 @@
 #include "base/files.hpp"
 #include "synthesis/controller/library.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 
 /// The description: form, parts, op-amps, multipliers, contacts, references, gain curve, loop. Without header.
 Json controller_json(const DisturbanceCircuit& controller);
@@ -17,4 +17,4 @@ Json controller_json(const DisturbanceCircuit& controller);
 void add_controller_files(const DisturbanceCircuit& controller, const std::string& title, const Json& json,
                           OutputSet& out, const std::filesystem::path& folder = "controller");
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

@@ -5,7 +5,7 @@
 #include "base/version.hpp"
 #include "schematic/writers/spice_library.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 
 std::string controller_library(const DisturbanceCircuit& controller, const std::string& title,
                                const LibraryOptions& options) {
@@ -29,4 +29,4 @@ std::string controller_library(const DisturbanceCircuit& controller, const std::
   return schematic::spice_text(out, {.off = options.off, .noise = false});
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

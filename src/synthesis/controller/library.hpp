@@ -6,22 +6,7 @@
 #include "synthesis/generator/at_rest.hpp"
 
 /// What is told of the closed circuit: its netlist, its loop, its drive.
-namespace bodesmith::controller {
-
-using generator::AtRest;
-using generator::Contact;
-using generator::DisturbanceCircuit;
-using generator::Form;
-using generator::generator_netlist;
-using generator::kArgument;
-using generator::opened;
-using generator::Pass;
-using generator::RestWiring;
-using schematic::Deviations;
-using schematic::Multiplier;
-using schematic::OpAmp;
-using schematic::Part;
-using schematic::Purpose;
+namespace bodesmith::generator {
 
 struct LibraryOptions {
   /// Parts off their values; none: as realised. Not for the open loop.
@@ -36,4 +21,4 @@ struct LibraryOptions {
 std::string controller_library(const DisturbanceCircuit& controller, const std::string& title,
                                const LibraryOptions& options = {});
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

@@ -17,7 +17,7 @@
 #include "schematic/plain_number.hpp"
 #include "schematic/writers/spice_library.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 using schematic::plain_number;
@@ -405,4 +405,4 @@ LoopStability checked_loop_stability(const DisturbanceCircuit& controller) {
   return out;
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

@@ -9,7 +9,7 @@
 #include "base/documents/json_fwd.hpp"
 #include "synthesis/controller/library.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 
 /// Where a loop is looked at: the branch, the drive, the frequency whose rate gain holds and the stroke.
 struct LoopPoint {
@@ -96,4 +96,4 @@ std::string summary_text(const LoopStability& loop);
 /// DesignError when the margin is below kLeastMarginDeg and `allowed` is false.
 void require_stable(const LoopStability& loop, bool allowed);
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

@@ -7,7 +7,7 @@
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 /// Over the time between the instants, which lie close where v moves fast.
@@ -89,4 +89,4 @@ Json to_json(const std::vector<AsBuilt>& cases) {
   return out;
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

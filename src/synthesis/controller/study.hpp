@@ -7,7 +7,7 @@
 #include "synthesis/controller/as_built.hpp"
 #include "synthesis/controller/library.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 
 /// The netlist along one reference by both engines.
 struct BothEngines {
@@ -41,4 +41,4 @@ double worst_percent(const std::vector<AsBuilt>& cases);
 
 Json to_json(const std::vector<AsBuilt>& cases);
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

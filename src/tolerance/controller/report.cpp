@@ -132,9 +132,9 @@ ControllerReport examine(const generator::DisturbanceCircuit& controller, const 
   const Stopwatch watch;
   ControllerReport out;
   out.errors = options.study.errors;
-  out.loop = options.ngspice && ngspice::is_available() ? controller::checked_loop_stability(controller)
-                                                        : controller::loop_stability(controller);
-  controller::require_stable(out.loop, options.allow_unstable);
+  out.loop = options.ngspice && ngspice::is_available() ? generator::checked_loop_stability(controller)
+                                                        : generator::loop_stability(controller);
+  generator::require_stable(out.loop, options.allow_unstable);
   StudyOptions study = options.study;
   study.switch_delays_s = switch_delays_s(controller, study.frequencies);
   out.study = study_errors(controller, stage, study);
@@ -171,7 +171,7 @@ std::string summary_text(const ControllerReport& report, const generator::Distur
     out += fmt::format("trimmed blind ({}): median {}, 95 % below {}\n", names,
                        percent_text(trims.after.median_percent), percent_text(trims.after.p95_percent));
   }
-  return out + controller::summary_text(report.loop);
+  return out + generator::summary_text(report.loop);
 }
 
 std::string draws_csv(const Study& study) {
@@ -189,7 +189,7 @@ std::string draws_csv(const Study& study) {
 
 Json to_json(const ControllerReport& report, const generator::DisturbanceCircuit& controller) {
   Json out = {{"errors_of_parts", study_json(report, controller)}, {"trim", trim_json(report, controller)}};
-  if (!report.loop.at.empty()) out["stability"] = controller::to_json(report.loop);
+  if (!report.loop.at.empty()) out["stability"] = generator::to_json(report.loop);
   return out;
 }
 

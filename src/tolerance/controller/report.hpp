@@ -14,7 +14,7 @@ struct ControllerReport {
   PartErrors errors;
   Study study;
   TrimStudy trims;
-  controller::LoopStability loop;
+  generator::LoopStability loop;
   std::vector<DrawCheck> checked;  ///< against ngspice
   double seconds = 0.0;            ///< wall, of all of it
 };
@@ -24,7 +24,7 @@ struct ControllerReportOptions {
   TrimOptions trims;
   int checked_draws = 2;        ///< run through ngspice too, when it is installed
   bool ngspice = true;          ///< the loop in ngspice too, when it is installed
-  bool allow_unstable = false;  ///< no refusal below controller::kLeastMarginDeg
+  bool allow_unstable = false;  ///< no refusal below generator::kLeastMarginDeg
 };
 
 /// The stroke at which a controller's parts are examined: with amplitude gains the full one, at which trims are read too.

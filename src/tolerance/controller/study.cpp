@@ -91,7 +91,7 @@ std::vector<double> switch_delays_s(const DisturbanceCircuit& controller,
                                     const std::vector<Hertz>& frequencies) {
   std::vector<double> out(frequencies.size(), 0.0);
   for (std::size_t i = 0; i < out.size() && controller.switched(); ++i)
-    out[i] = controller::switch_delay_s(controller, tracking::Reference(), frequencies[i]);
+    out[i] = generator::switch_delay_s(controller, tracking::Reference(), frequencies[i]);
   return out;
 }
 
@@ -177,11 +177,11 @@ std::vector<DrawCheck> check_draws(const generator::DisturbanceCircuit& controll
       type->gain_bandwidth.value *= 1.0 + copy.speed;
       type->slew_v_per_s *= 1.0 + copy.speed;
     }
-    controller::NgspiceRun run = controller::NgspiceRun::of_many();
+    generator::NgspiceRun run = generator::NgspiceRun::of_many();
     run.off = &copy.off;
     run.samples = options.samples;
-    const controller::SteadyState settled =
-        controller::run_in_ngspice(built, options.reference, one.frequency, run);
+    const generator::SteadyState settled =
+        generator::run_in_ngspice(built, options.reference, one.frequency, run);
     one.percent = bench.error_percent(board, f);
     const std::vector<double> y = stage.response(settled.v, settled.step_s, one.frequency);
     one.ngspice_percent =

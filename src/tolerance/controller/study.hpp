@@ -19,7 +19,7 @@ struct StudyOptions {
   std::size_t samples = 256;                 ///< a period
   std::vector<double> switch_delays_s = {};  ///< of the frequencies, where they are known
 };
-/// controller::switch_delay_s() of the triangle at each frequency; 0 without a switch.
+/// generator::switch_delay_s() of the triangle at each frequency; 0 without a switch.
 std::vector<double> switch_delays_s(const generator::DisturbanceCircuit& controller,
                                     const std::vector<Hertz>& frequencies);
 

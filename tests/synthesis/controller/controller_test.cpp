@@ -15,7 +15,7 @@
 #include "synthesis/generator/at_rest.hpp"
 #include "tolerance/controller/operating_point.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 /// The first seed's polynomials and rate gains.
@@ -275,7 +275,8 @@ TEST(Controller, HoldsDroopInNgspiceAsTheControllerSays) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const DisturbanceCircuit built = make_controller(with_strokes());
   const std::string deck = "controller\n" + controller_library(built, "controller") +
-                           reference_sources(tracking::Reference(), Hertz{1.0}, 2) + "Xc r v controller\n";
+                           reference_sources(tracking::Reference(), Hertz{1.0}, 0.0, 2.0) +
+                           "Xc r v controller\n";
   const ngspice::Transient run =
       ngspice::run_transient(deck, {"xc.h1", "xc.h2"}, 1e-3, 1.49, "controller.sub");
   // The peak of 1 V at half a second, which h1 leaves late, holds until a second, and h2 until 1.5: two openings, a period's leak.
@@ -366,4 +367,4 @@ TEST(Controller, AStageWithoutAnInverseIsRefused) {
 }
 
 }  // namespace
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

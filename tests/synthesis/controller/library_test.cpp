@@ -8,7 +8,7 @@
 #include "synthesis/realise.hpp"
 #include "synthesis/seed_sections.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 void expect_same_bytes(const std::string& text) {
@@ -67,4 +67,4 @@ TEST(SpiceRoundTrip, WhatItDoesNotWriteIsRefused) {
 }
 
 }  // namespace
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

@@ -9,7 +9,7 @@
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/controller/seed_controller.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 namespace {
 
 using ::testing::HasSubstr;
@@ -100,4 +100,4 @@ TEST(Loop, FormsWithoutALoopAndIdealOpAmps) {
 }
 
 }  // namespace
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

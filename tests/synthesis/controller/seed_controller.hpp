@@ -2,7 +2,7 @@
 
 #include "synthesis/controller/library.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::generator {
 
 using generator::BuiltGenerator;
 using generator::make_controller;
@@ -34,4 +34,4 @@ inline const DisturbanceCircuit& seed_controller() {
   return made;
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::generator

@@ -20,7 +20,7 @@ constexpr std::uint64_t kCopies = 1000;
 /// 1e-10 S lets through as some 1e-10 of the stroke.
 const generator::DisturbanceCircuit& tight_controller() {
   static const generator::DisturbanceCircuit made = [] {
-    generator::DisturbanceCircuit out = controller::seed_controller();
+    generator::DisturbanceCircuit out = generator::seed_controller();
     out.analog_switch.off_siemens = 1e-16;
     return out;
   }();
@@ -136,7 +136,7 @@ TEST(Board, AThousandDrawnCopiesDriveAsTheNetlistSolvedAtEverySample) {
   for (std::uint64_t draw = 0; draw < kCopies; ++draw) {
     const Copy copy = copy_of(c, causes, draw_values(causes, 1, draw));
     const Board board(wiring, copy);
-    const Input input = input_of(tracking::Reference(), controller::seed_frequencies()[draw % 7], 16);
+    const Input input = input_of(tracking::Reference(), generator::seed_frequencies()[draw % 7], 16);
     const std::vector<double> v = board.drive(input), sn = board.slope_voltage(input);
     SlowDrive slow(wiring, copy);
     for (const std::size_t k :

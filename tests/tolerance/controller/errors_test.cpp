@@ -30,7 +30,7 @@ double greatest_difference(const schematic::RestOrder& order, const schematic::D
 }
 
 TEST(RestPoint, RestsAtTheSamePlaceWhereverItComesFrom) {
-  const generator::DisturbanceCircuit& c = controller::seed_controller();
+  const generator::DisturbanceCircuit& c = generator::seed_controller();
   const generator::RestWiring wiring(c);
   const schematic::Deviations off = schematic::Deviations::none(c).of_part(wiring.rate.netlist(), c);
   const int slope = wiring.rate.node("sn");
@@ -44,7 +44,7 @@ TEST(RestPoint, RestsAtTheSamePlaceWhereverItComesFrom) {
 }
 
 TEST(RestPoint, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
-  const generator::DisturbanceCircuit& c = controller::seed_controller();
+  const generator::DisturbanceCircuit& c = generator::seed_controller();
   const generator::RestWiring wiring(c);
   const std::vector<Cause> causes = causes_of(c, {});
   const double full = 100.0 * c.slope->volts_per_hz;

@@ -23,7 +23,7 @@ const ControllerReport& seed_report() {
     options.study.draws = 40;
     options.trims.draws = 20;
     options.ngspice = false;
-    return examine(controller::seed_controller(), tracking::PolynomialStage(controller::seed_disturbance()),
+    return examine(generator::seed_controller(), tracking::PolynomialStage(generator::seed_disturbance()),
                    options);
   }();
   return made;
@@ -43,7 +43,7 @@ TEST(PartErrors, ATableSetsWhatItNamesAndNothingElse) {
 
 TEST(ControllerReport, ThePageTellsSharesAndFiguresOfTheStudy) {
   const ControllerReport& report = seed_report();
-  const std::string page = trim_page(report, controller::seed_controller(), "seed");
+  const std::string page = trim_page(report, generator::seed_controller(), "seed");
   const Share& first = report.study.parts.front();
   EXPECT_THAT(page, HasSubstr(fmt::format("| {} | {:.2g} | {:.2g} |", first.name, 100.0 * first.share,
                                           first.rms_percent)));
@@ -57,7 +57,7 @@ TEST(ControllerReport, ThePageTellsSharesAndFiguresOfTheStudy) {
 TEST(ControllerReport, DividersOfPotentiometersSpanTheirRange) {
   static const std::regex divider("through ([0-9.]+) kohm to the pin and ([0-9.]+) ohm from there");
   int found = 0;
-  for (const Trim& trim : trims_of(controller::seed_controller())) {
+  for (const Trim& trim : trims_of(generator::seed_controller())) {
     std::smatch ohm;
     if (!std::regex_search(trim.how, ohm, divider)) continue;
     const double top = 1e3 * std::stod(ohm[1]), bottom = std::stod(ohm[2]);

@@ -14,27 +14,27 @@ namespace {
 
 StudyOptions study_options(std::uint64_t draws) {
   StudyOptions out;
-  out.frequencies = controller::seed_frequencies();
+  out.frequencies = generator::seed_frequencies();
   out.draws = draws;
   return out;
 }
 
 TEST(PartErrors, TheSameSeedGivesTheSameFiguresOnAnyNumberOfThreads) {
-  const tracking::PolynomialStage stage(controller::seed_disturbance());
+  const tracking::PolynomialStage stage(generator::seed_disturbance());
   StudyOptions options = study_options(40);
   options.threads = 1;
-  const Study one = study_errors(controller::seed_controller(), stage, options);
+  const Study one = study_errors(generator::seed_controller(), stage, options);
   options.threads = 3;
-  const Study three = study_errors(controller::seed_controller(), stage, options);
+  const Study three = study_errors(generator::seed_controller(), stage, options);
   EXPECT_EQ(one.percent, three.percent);
   EXPECT_EQ(one.parts.front().share, three.parts.front().share);
   options.seed = 2;
-  EXPECT_NE(study_errors(controller::seed_controller(), stage, options).percent, one.percent);
+  EXPECT_NE(study_errors(generator::seed_controller(), stage, options).percent, one.percent);
 }
 
 TEST(PartErrors, SharesExplainWhatIsDrawnAndTheMultipliersLead) {
-  const tracking::PolynomialStage stage(controller::seed_disturbance());
-  const Study study = study_errors(controller::seed_controller(), stage, study_options(600));
+  const tracking::PolynomialStage stage(generator::seed_disturbance());
+  const Study study = study_errors(generator::seed_controller(), stage, study_options(600));
   double total = 0.0;
   for (const Share& share : study.parts) total += share.share;
   EXPECT_NEAR(total, 1.0, 1e-9);
@@ -51,16 +51,16 @@ TEST(PartErrors, NothingOffIsTheNominalBoard) {
   for (const PartErrors::Named& one : PartErrors::names()) none.*one.value = 0.0;
   StudyOptions options = study_options(3);
   options.errors = none;
-  const tracking::PolynomialStage stage(controller::seed_disturbance());
-  const Study study = study_errors(controller::seed_controller(), stage, options);
+  const tracking::PolynomialStage stage(generator::seed_disturbance());
+  const Study study = study_errors(generator::seed_controller(), stage, options);
   EXPECT_TRUE(study.parts.empty());
   EXPECT_EQ(study.worst.max_percent, study.worst.nominal_percent);
   options.frequencies.clear();
-  EXPECT_THROW(study_errors(controller::seed_controller(), stage, options), InputError);
+  EXPECT_THROW(study_errors(generator::seed_controller(), stage, options), InputError);
 }
 
 TEST(PartErrors, DrawnValuesHaveTheirDistributions) {
-  const std::vector<Cause> causes = causes_of(controller::seed_controller(), {});
+  const std::vector<Cause> causes = causes_of(generator::seed_controller(), {});
   std::vector<double> square(causes.size(), 0.0);
   const int n = 4000;
   for (std::uint64_t k = 0; k < n; ++k) {
@@ -77,10 +77,10 @@ TEST(PartErrors, DrawnValuesHaveTheirDistributions) {
 /// The fast model against the emitted netlist with those very deviations.
 TEST(PartErrors, ABoardIsWhatNgspiceMakesOfTheSameCopy) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
-  const tracking::PolynomialStage stage(controller::seed_disturbance());
+  const tracking::PolynomialStage stage(generator::seed_disturbance());
   StudyOptions options = study_options(1);
   options.frequencies = {Hertz{1.0}, Hertz{40.0}, Hertz{100.0}};
-  for (const DrawCheck& one : check_draws(controller::seed_controller(), stage, options, 3)) {
+  for (const DrawCheck& one : check_draws(generator::seed_controller(), stage, options, 3)) {
     EXPECT_GT(one.ngspice_percent, 0.03);
     EXPECT_NEAR(one.percent, one.ngspice_percent, 0.002) << one.draw;
     EXPECT_LT(one.drive_rms_percent, 0.006) << one.draw;
@@ -100,7 +100,7 @@ TEST(PartErrors, OtherControllersToo) {
     study.draws = 50;
     return study_errors(made, stage, study);
   };
-  Disturbance d = controller::seed_disturbance();
+  Disturbance d = generator::seed_disturbance();
   d.rate = {};
   EXPECT_LT(nominal(d, generator::Form::self_fed).worst.nominal_percent, 0.03);
   const double one = nominal(d, generator::Form::one_pass).worst.nominal_percent;

@@ -17,11 +17,11 @@ StudyOptions trim_study(std::vector<Hertz> frequencies) {
 }
 
 TEST(Trim, ThreeBlindTrimsHalveTheErrorOrBetter) {
-  const tracking::PolynomialStage stage(controller::seed_disturbance());
+  const tracking::PolynomialStage stage(generator::seed_disturbance());
   TrimOptions options;
   options.draws = 300;
   const TrimStudy study =
-      study_trims(controller::seed_controller(), stage, trim_study(controller::seed_frequencies()), options);
+      study_trims(generator::seed_controller(), stage, trim_study(generator::seed_frequencies()), options);
   EXPECT_EQ(study.steps.size(), 3u);
   EXPECT_LT(study.after.p95_percent, 0.5 * study.before.p95_percent);
   EXPECT_LT(study.after.median_percent, 0.10);
@@ -34,19 +34,19 @@ TEST(Trim, ThreeBlindTrimsHalveTheErrorOrBetter) {
 }
 
 TEST(Trim, AVoltmeterWithMoreNoiseTrimsWorse) {
-  const tracking::PolynomialStage stage(controller::seed_disturbance());
+  const tracking::PolynomialStage stage(generator::seed_disturbance());
   TrimOptions options;
   options.draws = 100;
   const StudyOptions study = trim_study({Hertz{1.0}, Hertz{100.0}});
-  const double fine = study_trims(controller::seed_controller(), stage, study, options).after.p95_percent;
+  const double fine = study_trims(generator::seed_controller(), stage, study, options).after.p95_percent;
   options.reading_noise_v = 5e-3;
-  const double coarse = study_trims(controller::seed_controller(), stage, study, options).after.p95_percent;
+  const double coarse = study_trims(generator::seed_controller(), stage, study, options).after.p95_percent;
   EXPECT_GT(coarse, 1.3 * fine);
 }
 
 TEST(Trim, TheReadingsOfTheDesignAreThoseOfTheStage) {
   // At rest v is the inverse of the stage: r = v + K d(v) with the slowest gain.
-  const generator::DisturbanceCircuit& c = controller::seed_controller();
+  const generator::DisturbanceCircuit& c = generator::seed_controller();
   const generator::RestWiring wiring(c);
   const Board board(wiring, copy_of(c, {}, {}));
   for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {

@@ -90,7 +90,7 @@ struct ValidationError {
   std::string text() const { return parameter == nullptr ? message : parameter->name() + " " + message; }
 };
 
-/// A type of block: its parameters, and what engines run for it. One object a type, in a file of its own
+/// A type of block: its parameters, and what engines run for it. One object a type, in a file
 /// under chain/blocks/, listed in chain/registry.cpp.
 class BlockType {
  public:

@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "lti/section_making.hpp"
+#include "schematic/ngspice/ngspice_process.hpp"
 #include "simulate/controller_file.hpp"
 #include "synthesis/parts/stock.hpp"
 #include "synthesis/realisation.hpp"

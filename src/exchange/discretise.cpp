@@ -127,26 +127,20 @@ bool is_stable(const Biquad& q) {
 }
 
 DigitalFilter::Error error_of(const DigitalFilter& filter, const Sections& sections) {
-  DigitalFilter::Error out;
+  Band band;
   const Band corners = sections.corner_band();
   const double limit = 0.45 * filter.sample_hz;
   const bool flat = !(corners.to.value > 0.0);
-  out.band.to = Hertz{flat ? limit : std::min(limit, 10.0 * corners.to.value)};
-  out.band.from = Hertz{flat ? limit * 1e-3 : std::min(0.1 * corners.from.value, 0.5 * out.band.to.value)};
-  const std::vector<Hertz> grid = log_grid(out.band, 1000);
-  std::vector<Complex> got;
-  std::vector<Complex> wanted;
+  band.to = Hertz{flat ? limit : std::min(limit, 10.0 * corners.to.value)};
+  band.from = Hertz{flat ? limit * 1e-3 : std::min(0.1 * corners.from.value, 0.5 * band.to.value)};
+  const std::vector<Hertz> grid = log_grid(band, 1000);
+  std::vector<Complex> got, wanted;
   for (const Hertz f : grid) {
     got.push_back(filter.response(f));
     const Complex s(0.0, f.rad_s().value);
     wanted.push_back(sections.response(s) * std::exp(s * sections.delay_s));
   }
-  const ResponseDifference d = compare_responses(grid, got, wanted);
-  out.max_magnitude_db = d.max_magnitude_db;
-  out.max_phase_deg = d.max_phase_deg;
-  out.max_complex_percent = d.max_complex_percent;
-  out.worst = d.worst;
-  return out;
+  return {compare_responses(grid, got, wanted), band};
 }
 
 }  // namespace

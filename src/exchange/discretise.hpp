@@ -43,13 +43,9 @@ struct DigitalFilter {
   Discretisation method = Discretisation::tustin;
   int fraction_bits = 0;  ///< of fixed_bits: behind the point, as many as the greatest coefficient leaves
 
-  struct Error {
-    Band
-        band;  ///< from a tenth of the lowest corner to ten times the highest, at most 0.45 of the sampling rate
-    double max_magnitude_db = 0.0;
-    double max_phase_deg = 0.0;
-    double max_complex_percent = 0.0;
-    Hertz worst;
+  struct Error : ResponseDifference {
+    /// From a tenth of the lowest corner to ten times the highest, at most 0.45 of the sampling rate.
+    Band band;
   } error;
 
   std::complex<double> response(Hertz f) const;

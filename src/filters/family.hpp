@@ -27,7 +27,7 @@ struct PrototypeTask {
   double stop_db = 60.0;   ///< least attenuation of the stop band, where the family has one
 };
 
-/// One family of standard filters, in a file of its own; the table of them stands in registry.cpp.
+/// One family of standard filters; the table of them stands in registry.cpp.
 class Family {
  public:
   /// What the corner at 1 rad/s is.

@@ -1,12 +1,7 @@
 #include "hysteresis/krasnoselskii_pokrovskii.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-
-#include "base/error.hpp"
-#include "base/whole_number.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -61,15 +56,8 @@ double KpEverett::input(const Turn& from, const Turn* toward, int direction, dou
 }
 
 KrasnoselskiiPokrovskii KrasnoselskiiPokrovskii::from(const Parameters& values) {
-  const double u_min = values.number("u_min");
-  const double u_max = values.number("u_max");
-  if (!(u_max > u_min)) throw DesignError("u_max is not above u_min");
-  const std::vector<double>& mu = values.list("mu");
-  const auto levels =
-      nearest_whole<std::size_t>((std::sqrt(8.0 * static_cast<double>(mu.size()) + 1.0) - 1.0) / 2.0);
-  if (mu.empty() || levels * (levels + 1) / 2 != mu.size())
-    throw DesignError(fmt::format("mu has {} numbers, expected n (n + 1)/2", mu.size()));
-  EverettTable table = EverettTable::from_weights(u_min, u_max, levels, mu);
+  EverettTable table = EverettTable::from_parameters(values, "mu");
+  const std::size_t levels = table.levels;
   for (std::size_t a = 0; a <= levels; ++a)
     for (std::size_t b = a + 1; b <= levels; ++b) table.values[a * (levels + 1) + b] = 0.0;
   return {.table = std::make_shared<const EverettTable>(std::move(table)),

@@ -103,16 +103,20 @@ double RelayEverett::output(const Turn& from, const Turn*, int direction, double
   return direction > 0 ? from.y + gain : from.y - gain;
 }
 
-Preisach Preisach::from(const Parameters& values) {
+EverettTable EverettTable::from_parameters(const Parameters& values, const char* weights) {
   const double u_min = values.number("u_min");
   const double u_max = values.number("u_max");
   if (!(u_max > u_min)) throw DesignError("u_max is not above u_min");
-  const std::vector<double>& w = values.list("w");
+  const std::vector<double>& w = values.list(weights);
   const auto levels =
       nearest_whole<std::size_t>((std::sqrt(8.0 * static_cast<double>(w.size()) + 1.0) - 1.0) / 2.0);
   if (w.empty() || levels * (levels + 1) / 2 != w.size())
-    throw DesignError(fmt::format("w has {} numbers, expected L (L + 1)/2 for L levels", w.size()));
-  return {.table = std::make_shared<const EverettTable>(EverettTable::from_weights(u_min, u_max, levels, w)),
+    throw DesignError(fmt::format("{} has {} numbers, expected L (L + 1)/2 for L levels", weights, w.size()));
+  return from_weights(u_min, u_max, levels, w);
+}
+
+Preisach Preisach::from(const Parameters& values) {
+  return {.table = std::make_shared<const EverettTable>(EverettTable::from_parameters(values, "w")),
           .offset = values.number("offset"),
           .bilinear = values.word("interpolation") == "bilinear"};
 }

@@ -41,6 +41,8 @@ struct EverettTable {
   /// From weights in row order: (0,0), (1,0), (1,1), (2,0), …
   static EverettTable from_weights(double u_min, double u_max, std::size_t levels,
                                    const std::vector<double>& w);
+  /// Of u_min, u_max and the list of weights of that name. Throws DesignError where they do not go together.
+  static EverettTable from_parameters(const Parameters& values, const char* weights);
 };
 
 /// A place in the table: cell and fraction of it.

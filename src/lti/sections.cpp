@@ -1,5 +1,4 @@
 #include "lti/sections.hpp"
-#include "base/documents/json.hpp"
 
 #include <fmt/format.h>
 
@@ -7,22 +6,30 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "base/documents/json.hpp"
 #include "lti/steep_flanks.hpp"
 
 namespace bodesmith {
 namespace {
 
-std::vector<Complex> read_roots(const Node& node) {
-  std::vector<Complex> roots;
-  for (const Node& item : node.items()) {
-    const std::vector<double> parts = item.numbers();
-    if (parts.size() != 2) item.fail(fmt::format("has {} numbers, expected [re, im] in rad/s", parts.size()));
-    roots.emplace_back(parts[0], parts[1]);
-  }
+std::vector<Complex> read_one_or_two(const Node& node) {
+  std::vector<Complex> roots = roots_from(node);
   const bool paired = (roots.size() == 2 && roots[0] == std::conj(roots[1])) ||
                       std::all_of(roots.begin(), roots.end(), [](Complex r) { return r.imag() == 0.0; });
   if (!paired) node.fail("has a complex root without its conjugate, expected real roots or a conjugate pair");
   return roots;
+}
+
+}  // namespace
+
+std::vector<Complex> roots_from(const Node& node) {
+  std::vector<Complex> out;
+  for (const Node& item : node.items()) {
+    const std::vector<double> parts = item.numbers();
+    if (parts.size() != 2) item.fail(fmt::format("has {} numbers, expected [re, im] in rad/s", parts.size()));
+    out.emplace_back(parts[0], parts[1]);
+  }
+  return out;
 }
 
 Json roots_json(const std::vector<Complex>& roots) {
@@ -30,8 +37,6 @@ Json roots_json(const std::vector<Complex>& roots) {
   for (const Complex& root : roots) out.push_back({root.real(), root.imag()});
   return out;
 }
-
-}  // namespace
 
 Complex Section::response(Complex s) const {
   // Factor by factor, a zero against a pole: no overflow for corners far apart.
@@ -119,8 +124,8 @@ Sections Sections::from_node(const Node& node) {
     Section section;
     section.gain = item.number_or("gain", 1.0);
     if (section.gain == 0.0) item.at("gain").fail("is 0, expected a gain other than 0");
-    section.zeros = read_roots(item.at("zeros_rad_s"));
-    section.poles = read_roots(item.at("poles_rad_s"));
+    section.zeros = read_one_or_two(item.at("zeros_rad_s"));
+    section.poles = read_one_or_two(item.at("poles_rad_s"));
     if (section.poles.empty() || section.poles.size() > 2) {
       item.at("poles_rad_s")
           .fail(fmt::format("has {} poles, expected one or two a section", section.poles.size()));

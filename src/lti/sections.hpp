@@ -78,4 +78,8 @@ bool integrates(const Section& section);
 /// Some section has a pole at the origin.
 bool integrates(const Sections& sections);
 
+/// Roots as files have them: [[re, im], …], rad/s.
+std::vector<Complex> roots_from(const Node& node);
+Json roots_json(const std::vector<Complex>& roots);
+
 }  // namespace bodesmith

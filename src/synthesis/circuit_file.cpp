@@ -14,16 +14,6 @@
 namespace bodesmith::synthesis {
 namespace {
 
-std::vector<Complex> roots_from(const Node& node) {
-  std::vector<Complex> out;
-  for (const Node& root : node.items()) {
-    const std::vector<double> parts = root.numbers();
-    if (parts.size() != 2) root.fail("is no root, expected [re, im] in rad/s");
-    out.emplace_back(parts[0], parts[1]);
-  }
-  return out;
-}
-
 /// A transfer of any order, for a ladder: one pole and one zero a factor.
 std::vector<Biquad> factors_from(const Node& node) {
   const Section all = section_from_node(node);
@@ -179,19 +169,14 @@ CircuitFile CircuitFile::from_node(const Node& node) {
 namespace {
 
 Json section_json(const std::vector<Biquad>& factors) {
-  Json out;
-  double gain = 1.0;
-  out["gain"] = gain;
-  out["zeros_rad_s"] = Json::array();
-  out["poles_rad_s"] = Json::array();
+  Section all{.gain = 1.0};
   for (const Biquad& h : factors) {
     const Section section = h.section();
-    gain *= section.gain;
-    for (const auto& zero : section.zeros) out["zeros_rad_s"].push_back({zero.real(), zero.imag()});
-    for (const auto& pole : section.poles) out["poles_rad_s"].push_back({pole.real(), pole.imag()});
+    all.gain *= section.gain;
+    all.zeros.insert(all.zeros.end(), section.zeros.begin(), section.zeros.end());
+    all.poles.insert(all.poles.end(), section.poles.begin(), section.poles.end());
   }
-  out["gain"] = gain;
-  return out;
+  return {{"gain", all.gain}, {"zeros_rad_s", roots_json(all.zeros)}, {"poles_rad_s", roots_json(all.poles)}};
 }
 
 /// Greatest change of the magnitude over the report's band, dB for 1 % of each part, with ideal op-amps.

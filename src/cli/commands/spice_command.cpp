@@ -7,6 +7,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/shared_options.hpp"
+#include "lti/steep_flanks.hpp"
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/opamp_check.hpp"

@@ -19,6 +19,7 @@
 #include "cli/response_source.hpp"
 #include "cli/shared_options.hpp"
 #include "lti/frequency_grid.hpp"
+#include "lti/steep_flanks.hpp"
 #include "synthesis/realise_search.hpp"
 #include "tolerance/design.hpp"
 #include "tolerance/margins.hpp"

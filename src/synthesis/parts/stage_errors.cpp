@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lti/steep_flanks.hpp"
 #include "numeric/four.hpp"
 #include "numeric/log_and_angle.hpp"
 

@@ -123,7 +123,7 @@ std::vector<std::complex<long double>> pade_positions_complex(long double log_ka
 std::vector<long double> pade_positions(long double log_kappa, long double beta, int order) {
   std::vector<long double> zeta;
   for (const auto& z : pade_positions_complex(log_kappa, beta, order)) zeta.push_back(z.real());
-  std::sort(zeta.begin(), zeta.end(), std::greater<>());
+  std::ranges::sort(zeta, std::greater<>());
   return zeta;
 }
 

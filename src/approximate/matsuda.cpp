@@ -79,7 +79,7 @@ std::optional<std::vector<ManyDigits>> aberth_zeros(const Thiele& thiele, std::v
       largest = std::max(largest, ManyDigits(abs(step / zero[k])));
     }
     if (largest < tolerance) {
-      const bool negative = std::all_of(zero.begin(), zero.end(), [](const ManyDigits& z) { return z < 0; });
+      const bool negative = std::ranges::all_of(zero, [](const ManyDigits& z) { return z < 0; });
       if (negative) return zero;
       return std::nullopt;
     }

@@ -30,8 +30,8 @@ bool leave_out_closest(PooledRoots& roots) {
   std::size_t pole = 0;
   for (std::size_t i = 0; i < roots.zeros.size(); ++i) {
     for (std::size_t j = 0; j < roots.poles.size(); ++j) {
-      const std::complex<double> z = roots.zeros[i];
-      const std::complex<double> p = roots.poles[j];
+      const Complex z = roots.zeros[i];
+      const Complex p = roots.poles[j];
       if (z.imag() != 0.0 || p.imag() != 0.0 || !(z.real() * p.real() > 0.0)) continue;
       const double distance = std::abs(std::log(z.real() / p.real()));
       if (distance >= best) continue;

@@ -161,7 +161,7 @@ PairedPositions to_pairs(const ComplexPositions& positions) {
       reals.push_back(z.real());
     }
   }
-  std::sort(reals.begin(), reals.end(), std::greater<>());
+  std::ranges::sort(reals, std::greater<>());
   out.zeta.insert(out.zeta.end(), reals.begin(), reals.end());
   return out;
 }
@@ -258,7 +258,7 @@ Outcome<ComplexPositions> best_positions(const ApproximationTask& task, long dou
       const auto multiple = Remez(log_kappa, order, {0, multiplicity}).solve(beta, start);
       if (multiple && multiple->error < result->error) {
         result = multiple;
-        std::fill(zeta.begin(), zeta.end(), multiple->zeta[0]);
+        std::ranges::fill(zeta, multiple->zeta[0]);
       }
     }
     zeta.insert(zeta.end(), result->zeta.begin(), result->zeta.end());

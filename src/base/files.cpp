@@ -51,7 +51,7 @@ fs::path followed(const fs::path& path) {
 }
 
 bool was_read(const fs::path& target) {
-  return std::any_of(inputs().begin(), inputs().end(), [&](const fs::path& input) {
+  return std::ranges::any_of(inputs(), [&](const fs::path& input) {
     std::error_code ec;
     return fs::equivalent(input, target, ec) && !ec;
   });
@@ -83,8 +83,7 @@ void drop_stale(const fs::path& target) {
 
 /// Names may come from a user's file: they do not lead out of the folder that was asked for. A link that stands in it does.
 bool stays_below(const fs::path& relative) {
-  return relative.is_relative() &&
-         std::find(relative.begin(), relative.end(), fs::path("..")) == relative.end();
+  return relative.is_relative() && std::ranges::find(relative, fs::path("..")) == relative.end();
 }
 
 bool is_pipe(const fs::path& path) {
@@ -204,8 +203,7 @@ std::vector<fs::path> OutputSet::paths() const {
 }
 
 const std::string* OutputSet::content(const fs::path& relative) const {
-  const auto found =
-      std::find_if(files_.begin(), files_.end(), [&](const File& file) { return file.path == relative; });
+  const auto found = std::ranges::find(files_, relative, &File::path);
   return found == files_.end() ? nullptr : &found->content;
 }
 

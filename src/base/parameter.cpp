@@ -34,7 +34,7 @@ std::string ParameterSpec::validate(double value) const {
 }
 
 std::string ParameterSpec::validate(std::string_view word) const {
-  if (std::find(words.begin(), words.end(), word) != words.end()) return {};
+  if (std::ranges::find(words, word) != words.end()) return {};
   return fmt::format("is '{}'{}, expected one of {}", word, did_you_mean(word, words), join(words, ", "));
 }
 
@@ -96,8 +96,7 @@ ParameterSpec optional_list_of(ParameterSpec entry) {
 }
 
 const ParameterSpec* find_parameter(const std::vector<ParameterSpec>& specs, std::string_view name) {
-  const auto found =
-      std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& spec) { return spec.name == name; });
+  const auto found = std::ranges::find(specs, name, &ParameterSpec::name);
   return found == specs.end() ? nullptr : &*found;
 }
 

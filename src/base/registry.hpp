@@ -31,8 +31,7 @@ class Registry {
 
   /// Null when there is none of that name.
   const T* find(std::string_view name) const {
-    const auto found =
-        std::find_if(entries_.begin(), entries_.end(), [&](const T* entry) { return entry->name() == name; });
+    const auto found = std::ranges::find_if(entries_, [&](const T* entry) { return entry->name() == name; });
     return found == entries_.end() ? nullptr : *found;
   }
 

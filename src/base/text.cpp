@@ -127,7 +127,7 @@ constexpr std::array<std::string_view, 13> kUnits = {
     "Hz", "hz", "ohm", "Ohm", "\xCE\xA9", "\xE2\x84\xA6", "F", "V", "A", "s", "dB", "deg", "%"};
 
 bool is_unit(std::string_view text) {
-  return text.empty() || std::find(kUnits.begin(), kUnits.end(), text) != kUnits.end();
+  return text.empty() || std::ranges::find(kUnits, text) != kUnits.end();
 }
 
 /// Digits with at most one point, a sign and an exponent before them: where the number ends.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <complex>
 #include <memory>
 #include <optional>
 #include <string>
@@ -110,13 +109,11 @@ class BlockType {
   virtual Kernel kernel(const Block& block) const = 0;
   /// The exact H(jw), for linear blocks (offsets, hum and drift do not count; a fractional term is exact
   /// here, though its kernel is not). Nothing for the others.
-  virtual std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const {
+  virtual std::optional<Complex> response(const Block& block, RadPerSecond w) const {
     return transfer(block, {0.0, w.value});
   }
   /// The exact H(s), Re s >= 0, of a linear block whose kernel is an approximation of it, or has a state of its own.
-  virtual std::optional<std::complex<double>> transfer(const Block&, std::complex<double>) const {
-    return std::nullopt;
-  }
+  virtual std::optional<Complex> transfer(const Block&, Complex) const { return std::nullopt; }
 
   /// The input for a wanted output (chain/inverse.hpp), by the kernel where that is linear, a source or sampled (the same seed of a
   /// noise is the same signal). Nothing for blocks without one, a gain of 0 too, which compensate then inverts numerically.
@@ -176,10 +173,8 @@ class Block {
   /// Nothing when every value is legal and they fit together.
   std::optional<ValidationError> validate() const;
   Kernel kernel() const { return type_->kernel(*this); }
-  std::optional<std::complex<double>> response(RadPerSecond w) const { return type_->response(*this, w); }
-  std::optional<std::complex<double>> transfer(std::complex<double> s) const {
-    return type_->transfer(*this, s);
-  }
+  std::optional<Complex> response(RadPerSecond w) const { return type_->response(*this, w); }
+  std::optional<Complex> transfer(Complex s) const { return type_->transfer(*this, s); }
   std::optional<FoundInput> inverse(const WantedOutput& wanted) const;
   double slowest_time_constant_s() const { return type_->slowest_time_constant_s(*this); }
   std::optional<Affine> affine() const { return type_->affine(*this); }

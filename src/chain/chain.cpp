@@ -40,8 +40,8 @@ std::string Trained::far_beyond(const SignalExtent& drive) const {
                      rounded_text(input.upper));
 }
 
-std::optional<std::complex<double>> Chain::response(RadPerSecond w) const {
-  std::complex<double> h = 1.0;
+std::optional<Complex> Chain::response(RadPerSecond w) const {
+  Complex h = 1.0;
   for (const Block& block : blocks) {
     const auto factor = block.response(w);
     if (!factor) return std::nullopt;

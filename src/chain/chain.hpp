@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,7 +53,7 @@ struct Chain {
   std::optional<Start> start = std::nullopt;
 
   /// Product of the blocks' exact responses; nothing when one of them is not linear.
-  std::optional<std::complex<double>> response(RadPerSecond w) const;
+  std::optional<Complex> response(RadPerSecond w) const;
   /// Every free parameter, in chain order. Pointers stay good until blocks or list lengths change.
   std::vector<Parameter*> free_parameters();
   /// "block 2 (lowpass) corner_hz", "block 2 (lowpass, amplifier) corner_hz" of one with a name, for messages and summaries; blocks count from 1.

@@ -116,8 +116,8 @@ FoundInput inverse_of_polynomial(const std::vector<double>& coefficients, const 
   std::size_t best_count = 0;
   const std::vector<Piece> pieces = pieces_of(coefficients, *low, *high);
   for (const Piece& piece : pieces) {
-    const auto count = static_cast<std::size_t>(std::count_if(wanted.values.begin(), wanted.values.end(),
-                                                              [&](double y) { return piece.reaches(y); }));
+    const auto count = static_cast<std::size_t>(
+        std::ranges::count_if(wanted.values, [&](double y) { return piece.reaches(y); }));
     if (best == nullptr || count > best_count ||
         (count == best_count && piece.distance_from_zero() < best->distance_from_zero())) {
       best = &piece;

@@ -29,7 +29,7 @@ double mode_time_constant_s(Hertz natural_frequency, double damping_ratio) {
   return 1.0 / (natural_frequency.rad_s().value * (d < 1.0 ? d : d - std::sqrt(d * d - 1.0)));
 }
 
-std::complex<double> response(const LinearKernel& kernel, std::complex<double> s) {
+Complex response(const LinearKernel& kernel, Complex s) {
   return bodesmith::response(static_cast<const StateSpace&>(kernel), s) * std::exp(-s * kernel.delay_s);
 }
 

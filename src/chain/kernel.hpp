@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <memory>
 #include <variant>
 #include <vector>
@@ -125,6 +124,6 @@ LinearKernel in_series(const LinearKernel& first, const LinearKernel& second);
 double mode_time_constant_s(Hertz natural_frequency, double damping_ratio);
 
 /// H(s) of the kernel as it is, delay included, offset left out.
-std::complex<double> response(const LinearKernel& kernel, std::complex<double> s);
+Complex response(const LinearKernel& kernel, Complex s);
 
 }  // namespace bodesmith::chain

@@ -183,7 +183,7 @@ std::size_t LocalChain::order() const {
 }
 
 bool LocalChain::varies() const {
-  return std::any_of(elements_.begin(), elements_.end(), [](const Element& element) {
+  return std::ranges::any_of(elements_, [](const Element& element) {
     return std::visit([](const auto& list) { return list.size() > 1; }, element);
   });
 }

@@ -74,8 +74,7 @@ std::shared_ptr<const std::vector<PartChange>> parts_from_node(const Block& bloc
     for (const auto& [name, value] : table.members()) {
       if (name == "unit" || name == "tolerance") continue;
       const auto& all = block.parameters();
-      if (std::none_of(all.begin(), all.end(),
-                       [&, &key = name](const Parameter& p) { return p.name() == key; }))
+      if (std::ranges::none_of(all, [&, &key = name](const Parameter& p) { return p.name() == key; }))
         value.fail(fmt::format("is no parameter of this '{}' block", block.type_name()));
       const std::vector<double> numbers = value.numbers();
       if (numbers.size() != 2) value.fail("is no pair, expected [slope, bend]");
@@ -164,8 +163,7 @@ Json parts_json(const std::vector<PartChange>& parts) {
                           number_text(entry.bend));
     values.push_back({{"part", "\"" + one.part + "\""}, {"change", text + "}"}});
   }
-  const bool opamps =
-      std::any_of(parts.begin(), parts.end(), [](const auto& p) { return !p.noise_gain.empty(); });
+  const bool opamps = std::ranges::any_of(parts, [](const auto& p) { return !p.noise_gain.empty(); });
   return {{"values", values}, {"opamps", opamps}};
 }
 

@@ -95,7 +95,7 @@ void add_pair(Blocks& out, const Section& section) {
 }
 
 bool all_real(const std::vector<Complex>& roots) {
-  return std::all_of(roots.begin(), roots.end(), [](const Complex& r) { return r.imag() == 0.0; });
+  return std::ranges::all_of(roots, [](const Complex& r) { return r.imag() == 0.0; });
 }
 
 void add_section(Blocks& out, const Section& section) {

@@ -54,10 +54,9 @@ std::vector<std::string>& waiting_notes() {
 class Conversions {
  public:
   void add(const std::string& path, const std::string& read_as) {
-    auto at =
-        std::find_if(said_.begin(), said_.end(), [&](const Said& one) { return one.read_as == read_as; });
+    auto at = std::ranges::find(said_, read_as, &Said::read_as);
     if (at == said_.end()) at = said_.insert(said_.end(), Said{read_as, {}});
-    if (std::find(at->paths.begin(), at->paths.end(), path) == at->paths.end()) at->paths.push_back(path);
+    if (std::ranges::find(at->paths, path) == at->paths.end()) at->paths.push_back(path);
   }
   std::vector<std::string> texts() const {
     std::vector<std::string> out;

@@ -55,8 +55,7 @@ const std::vector<Command>& verbs_of(std::string_view command) {
 
 const Command* find_command(const std::vector<Command>& among, const std::vector<std::string>& arguments) {
   if (arguments.empty()) return nullptr;
-  const auto found = std::find_if(among.begin(), among.end(),
-                                  [&](const Command& command) { return command.name == arguments[0]; });
+  const auto found = std::ranges::find(among, arguments[0], &Command::name);
   return found == among.end() ? nullptr : &*found;
 }
 

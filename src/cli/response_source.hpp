@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -24,7 +23,7 @@ struct ResponseSource {
   /// precision.
   std::function<LevelAndPhase(const std::vector<Hertz>&)> on_grid;
   /// The same as complex numbers; empty for what is measured.
-  std::function<std::vector<std::complex<double>>(const std::vector<Hertz>&)> response;
+  std::function<std::vector<Complex>(const std::vector<Hertz>&)> response;
   std::optional<Sections> sections;  ///< where the file holds sections
   bool quick = false;                ///< `response` costs little at a single frequency
 };

@@ -224,9 +224,8 @@ bool names_a_reference(const std::string& text) {
   std::error_code ignored;
   if (std::filesystem::exists(text, ignored)) return false;
   const auto& kinds = simulate::reference_kinds();
-  return text == "steps" || std::any_of(kinds.begin(), kinds.end(), [&](const simulate::ReferenceKind& kind) {
-           return kind.name == text;
-         });
+  return text == "steps" ||
+         std::ranges::any_of(kinds, [&](const simulate::ReferenceKind& kind) { return kind.name == text; });
 }
 
 Sections rational_part(Sections sections, const std::string& file) {

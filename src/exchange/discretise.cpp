@@ -149,7 +149,7 @@ std::string_view to_string(Discretisation method) {
   return method == Discretisation::tustin ? "tustin" : "matched";
 }
 
-std::complex<double> DigitalFilter::response(Hertz f) const {
+Complex DigitalFilter::response(Hertz f) const {
   const Complex z = std::polar(1.0, 2.0 * std::numbers::pi * f.value / sample_hz);
   Complex out = gain;
   for (const Biquad& q : biquads) out *= response_of(q, z);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -48,7 +47,7 @@ struct DigitalFilter {
     Band band;
   } error;
 
-  std::complex<double> response(Hertz f) const;
+  Complex response(Hertz f) const;
 };
 
 /// The sections' delay is left out, of the error too. InputError for a sampling rate that is not above twice the lowest

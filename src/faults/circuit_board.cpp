@@ -249,8 +249,7 @@ void CircuitBoard::find_unknowns(const CircuitBoard* like) {
   for (Unknown& one : small) {
     if (like != nullptr) {
       const auto same = [&](const Unknown& u) { return u.name == one.name; };
-      if (std::any_of(like->unknowns_.begin(), like->unknowns_.end(), same))
-        unknowns_.push_back(std::move(one));
+      if (std::ranges::any_of(like->unknowns_, same)) unknowns_.push_back(std::move(one));
       continue;
     }
     double largest = 0.0;
@@ -263,7 +262,7 @@ void CircuitBoard::find_unknowns(const CircuitBoard* like) {
   }
 }
 
-std::complex<double> CircuitBoard::at(const Point& point, const Effect& effect, int row) {
+Complex CircuitBoard::at(const Point& point, const Effect& effect, int row) {
   Complex out = point.x(row);
   if (effect.stamps.empty()) return out;
   if (effect.stamps.size() == 1) {

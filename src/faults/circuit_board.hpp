@@ -63,7 +63,7 @@ class CircuitBoard : public Board {
     Stamp stamp;  ///< what one standard deviation adds, to first order
   };
   struct Point {
-    std::complex<double> s;
+    Complex s;
     int out = 0;  ///< row of the node that is read
     Eigen::MatrixXcd inverse;
     Eigen::VectorXcd x;  ///< solution of the good board
@@ -75,7 +75,7 @@ class CircuitBoard : public Board {
   int node(const std::string& name) const;
   /// Solutions with some faults built in.
   class Changed;
-  static std::complex<double> at(const Point& point, const Effect& effect, int row);
+  static Complex at(const Point& point, const Effect& effect, int row);
   static Eigen::VectorXcd outputs(const std::vector<Point>& points, const Effect& effect);
 
   schematic::Netlist circuit_;

@@ -34,8 +34,8 @@ constexpr std::size_t kAlwaysLooked = 8;
 constexpr double kNoiseAgain = 1.25;
 
 void sort_findings(std::vector<Finding>& findings) {
-  std::stable_sort(findings.begin(), findings.end(),
-                   [](const Finding& a, const Finding& b) { return a.log_weight() > b.log_weight(); });
+  std::ranges::stable_sort(
+      findings, [](const Finding& a, const Finding& b) { return a.log_weight() > b.log_weight(); });
 }
 
 /// The search: everything that may explain the measurement, with its weight.
@@ -172,11 +172,9 @@ void share_out(const Board& board, const std::vector<Finding>& findings, Diagnos
       for (const std::string& part : fault->parts) by_part[part] += probability;
     }
   }
-  std::stable_sort(out.suspects.begin(), out.suspects.end(),
-                   [](const Suspect& a, const Suspect& b) { return a.probability > b.probability; });
+  std::ranges::stable_sort(out.suspects, std::ranges::greater(), &Suspect::probability);
   out.parts.assign(by_part.begin(), by_part.end());
-  std::stable_sort(out.parts.begin(), out.parts.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::ranges::stable_sort(out.parts, [](const auto& a, const auto& b) { return a.second > b.second; });
 }
 
 std::size_t tied_count(const Diagnosis& d) {

@@ -118,8 +118,7 @@ Finding polished(const Board& board, Finding start, const Noise& noise) {
   };
   Likelihood now = judged(start.sizes);
   double density = now.log_density();
-  const bool free =
-      std::any_of(start.faults.begin(), start.faults.end(), [](const Fault* f) { return f->has_size(); });
+  const bool free = std::ranges::any_of(start.faults, [](const Fault* f) { return f->has_size(); });
   Eigen::MatrixXd curvature;
   for (int i = 0; free && i < kSteps; ++i) {
     const Normal normal = normal_equations(now, directions(board, start, now.residual()));
@@ -176,8 +175,8 @@ std::optional<Effect> effect_on(const Board& board, const Finding& finding,
     // A kind may have several faults of the same part: the first, the second of them.
     auto left =
         std::count_if(faults.data(), finding.faults[i], [&](const Fault& f) { return same(f, fault); });
-    const auto at = std::find_if(there.begin(), there.end(),
-                                 [&](const Fault& f) { return same(f, fault) && left-- == 0; });
+    const auto at =
+        std::ranges::find_if(there, [&](const Fault& f) { return same(f, fault) && left-- == 0; });
     if (at == there.end()) return std::nullopt;
     out = joined(out, at->effect(finding.sizes[i]));
   }
@@ -193,7 +192,7 @@ double over_noise(const Noise& noise, const std::function<double(const Noise&)>&
     weights += std::exp(-0.5 * x * x);
     terms.push_back(-0.5 * x * x + judge({noise.gain * factor, noise.phase * factor}));
   }
-  const double largest = *std::max_element(terms.begin(), terms.end());
+  const double largest = *std::ranges::max_element(terms);
   double sum = 0.0;
   for (const double term : terms) sum += std::exp(term - largest);
   return largest + std::log(sum / weights);

@@ -30,11 +30,9 @@ double log_above_floor(double log_gain, double floor) {
 constexpr double kMostChange = 1.5;
 double change_of(const Board& board, const Prediction& prediction, Eigen::Index k) {
   const double floor = board.floors()[std_index(k)];
-  const std::complex<double> good =
-      prediction.reference.size() > 0 ? prediction.reference(k) : board.good_response()(k);
-  const std::complex<double> got = prediction.response(k);
-  return std::min(kMostChange,
-                  std::abs(std::complex<double>(std::log((std::abs(got) + floor) / (std::abs(good) + floor)),
+  const Complex good = prediction.reference.size() > 0 ? prediction.reference(k) : board.good_response()(k);
+  const Complex got = prediction.response(k);
+  return std::min(kMostChange, std::abs(Complex(std::log((std::abs(got) + floor) / (std::abs(good) + floor)),
                                                 std::arg(got * std::conj(good)))));
 }
 
@@ -75,8 +73,8 @@ Eigen::MatrixXcd with_model_error(const Board& board, const Prediction& predicti
   const Eigen::Index parts = prediction.slopes.cols();
   Eigen::MatrixXcd out(prediction.slopes.rows(), parts + 2 * knots.cols());
   out.leftCols(parts) = prediction.slopes;
-  out.middleCols(parts, knots.cols()) = knots.cast<std::complex<double>>();
-  out.rightCols(knots.cols()) = std::complex<double>(0.0, 1.0) * knots.cast<std::complex<double>>();
+  out.middleCols(parts, knots.cols()) = knots.cast<Complex>();
+  out.rightCols(knots.cols()) = Complex(0.0, 1.0) * knots.cast<Complex>();
   return out;
 }
 

@@ -36,9 +36,8 @@ struct TriedPair {
 };
 
 bool names_any(const Fault& fault, const std::vector<std::string>& parts) {
-  return std::any_of(fault.parts.begin(), fault.parts.end(), [&](const std::string& part) {
-    return std::find(parts.begin(), parts.end(), part) != parts.end();
-  });
+  return std::ranges::any_of(
+      fault.parts, [&](const std::string& part) { return std::ranges::find(parts, part) != parts.end(); });
 }
 
 bool share_a_part(const Fault& a, const Fault& b) {
@@ -134,7 +133,7 @@ class PairSearch {
       pair.rough += pair.finding.log_prior;
       here.push_back(std::move(pair));
     }
-    std::stable_sort(here.begin(), here.end(), better);
+    std::ranges::stable_sort(here, better);
     here.resize(std::min(here.size(), kSecondsOfEach));
     for (TriedPair& pair : here) {
       resize(board_, likelihood_of(*pair.finding.faults[1]), pair);
@@ -146,21 +145,20 @@ class PairSearch {
   /// sizes: the sites of the likeliest pairs, each beside each, over all sizes of both.
   void close(KnownPairs& known, std::vector<Finding>& found) const {
     if (found.empty()) return;
-    std::stable_sort(found.begin(), found.end(),
-                     [](const Finding& a, const Finding& b) { return a.log_weight() > b.log_weight(); });
+    std::ranges::stable_sort(
+        found, [](const Finding& a, const Finding& b) { return a.log_weight() > b.log_weight(); });
     const double least = found.front().log_weight() - kNearBest;
     std::vector<std::string> sites;
     for (const Finding& finding : found) {
       if (finding.log_weight() < least) break;
       for (const Fault* fault : finding.faults) {
-        if (sites.size() < kSitesClosed && std::find(sites.begin(), sites.end(), fault->site) == sites.end())
+        if (sites.size() < kSitesClosed && std::ranges::find(sites, fault->site) == sites.end())
           sites.push_back(fault->site);
       }
     }
     std::vector<const Fault*> sized;
     for (const Fault& fault : faults_) {
-      if (fault.has_size() && !fault.replaces.empty() &&
-          std::find(sites.begin(), sites.end(), fault.site) != sites.end())
+      if (fault.has_size() && !fault.replaces.empty() && std::ranges::find(sites, fault.site) != sites.end())
         sized.push_back(&fault);
     }
     const Likelihood likelihood(board_, board_.predict(found.front().effect()), noise_);
@@ -190,7 +188,7 @@ class PairSearch {
   /// Best first.
   std::vector<TriedPair> tried() const {
     std::vector<TriedPair> out = tried_;
-    std::stable_sort(out.begin(), out.end(), better);
+    std::ranges::stable_sort(out, better);
     return out;
   }
 

@@ -55,7 +55,7 @@ bool PlanBoard::can_run(const Effect& effect) const {
 Eigen::VectorXcd PlanBoard::response(const Effect& effect) const {
   std::vector<double> units = drawn_->nominal_units();
   for (const auto& [capacitor, value] : effect.units) units[capacitor] = value;
-  std::vector<std::complex<double>> got;
+  std::vector<Complex> got;
   if (effect.clocks.empty()) {
     got = drawn_->response(units);
   } else {

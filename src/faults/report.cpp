@@ -84,7 +84,7 @@ void add_response(report::BodePlot& plot, const std::string& name, const Channel
   Series magnitude{name, hertz_values(channel.grid), {}, style};
   Series phase{name, hertz_values(channel.grid), {}, style};
   for (std::size_t i = 0; i < channel.grid.size(); ++i) {
-    const std::complex<double> h = response(eigen_index(first + i));
+    const Complex h = response(eigen_index(first + i));
     magnitude.y.push_back(to_decibel(std::max(std::abs(h), 1e-9)));
     phase.y.push_back(to_degrees(std::arg(h)));
   }

@@ -79,7 +79,7 @@ Rework all_of(std::span<const Suspect> rivals) {
   std::vector<std::string> texts;
   for (const Suspect& rival : rivals) {
     for (const Fault* fault : rival.best.faults) {
-      if (std::find(texts.begin(), texts.end(), fault->rework) == texts.end()) texts.push_back(fault->rework);
+      if (std::ranges::find(texts, fault->rework) == texts.end()) texts.push_back(fault->rework);
     }
   }
   return {join(texts, rivals.size() > 1 ? "; if that does not help, " : "; "), texts.size()};

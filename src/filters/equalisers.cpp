@@ -23,17 +23,16 @@ void check_corner_frequency(Hertz corner) {
 }
 
 /// Roots of s^2 + 2 zeta w0 s + w0^2.
-std::vector<std::complex<double>> pair_of(double w0, double zeta) {
+std::vector<Complex> pair_of(double w0, double zeta) {
   if (zeta >= 1.0) {
     const double large = -w0 * (zeta + std::sqrt((zeta - 1.0) * (zeta + 1.0)));
     return {{large, 0.0}, {w0 * (w0 / large), 0.0}};
   }
-  const std::complex<double> root(-zeta * w0, w0 * std::sqrt((1.0 - zeta) * (1.0 + zeta)));
+  const Complex root(-zeta * w0, w0 * std::sqrt((1.0 - zeta) * (1.0 + zeta)));
   return {root, std::conj(root)};
 }
 
-Sections one_section(double gain, std::vector<std::complex<double>> zeros,
-                     std::vector<std::complex<double>> poles) {
+Sections one_section(double gain, std::vector<Complex> zeros, std::vector<Complex> poles) {
   Sections out;
   out.sections = {Section{gain, std::move(zeros), std::move(poles)}};
   return out;
@@ -74,9 +73,9 @@ Sections delay_allpass(double delay_s, int order) {
   }
   if (order < 1 || order > 20)
     throw InputError(fmt::format("order {} of an all-pass, expected 1 to 20", order));
-  std::vector<std::complex<double>> poles = bessel_poles(order);
-  std::vector<std::complex<double>> zeros;
-  for (std::complex<double>& p : poles) {
+  std::vector<Complex> poles = bessel_poles(order);
+  std::vector<Complex> zeros;
+  for (Complex& p : poles) {
     p *= 2.0 / delay_s;
     zeros.push_back(-std::conj(p));
   }

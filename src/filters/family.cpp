@@ -9,8 +9,8 @@
 // Every family: one line here, and one file in families/ that defines the function.
 namespace bodesmith::filters {
 
-std::complex<double> Prototype::response(std::complex<double> s) const {
-  std::complex<double> h = gain;
+Complex Prototype::response(Complex s) const {
+  Complex h = gain;
   for (std::size_t i = 0; i < poles.size(); ++i) {
     if (i < zeros.size()) h *= s - zeros[i];
     h /= s - poles[i];

@@ -77,12 +77,11 @@ ChartedFit fit_by_chart(const BodePoints& points, const CascadeFitOptions& optio
   for (int i = 0; i < kMaxSplits; ++i) {
     CascadeFitOptions split = bounded;
     split.splits.push_back(worst_band_middle(out.fit, bounded.splits));
-    std::sort(split.splits.begin(), split.splits.end());
+    std::ranges::sort(split.splits);
     CascadeFit more = fit_cascade(points, split);
     if (more.cascade.fit->max_db > (1.0 - kWorthASplit) * left()) break;
-    const auto added = std::find_if(split.splits.begin(), split.splits.end(), [&](Hertz f) {
-      return std::find(bounded.splits.begin(), bounded.splits.end(), f) == bounded.splits.end();
-    });
+    const auto added = std::ranges::find_if(
+        split.splits, [&](Hertz f) { return std::ranges::find(bounded.splits, f) == bounded.splits.end(); });
     bounded = split;
     out.fit = std::move(more);
     out.steps.push_back(

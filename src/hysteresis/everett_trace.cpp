@@ -146,7 +146,7 @@ void EverettTrace::apply(const Eigen::VectorXd& weights, Eigen::VectorXd& y) con
 void EverettTrace::adjoint(const Eigen::VectorXd& residual, Eigen::VectorXd& gradient) const {
   const std::size_t stride = levels_ + 1;
   double* table = table_.data();
-  std::fill(table_.begin(), table_.end(), 0.0);
+  std::ranges::fill(table_, 0.0);
   for (std::size_t t = 0; t < samples_.size(); ++t)
     along_[t] = samples_[t].row >= 0 ? residual(samples_[t].row) : 0.0;
   for (std::size_t t = samples_.size(); t-- > 0;) {

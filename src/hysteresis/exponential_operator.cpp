@@ -79,7 +79,7 @@ bool ExponentialOperators::rises() const {
 }
 
 ExponentialOperators ExponentialOperators::dominant_only() const {
-  const auto d = static_cast<std::size_t>(std::min_element(tau.begin(), tau.end()) - tau.begin());
+  const auto d = static_cast<std::size_t>(std::ranges::min_element(tau) - tau.begin());
   double total = 0.0;
   for (const double part : k) total += part;
   ExponentialOperators out = *this;

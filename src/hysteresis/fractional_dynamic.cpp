@@ -81,8 +81,7 @@ class FractionalDynamicType final : public ShapedModelType<FractionalDynamic, Fr
                 between("modes", "1", "first-order sections of the simulation", 8, 400).with_default(60),
             }) {}
 
-  std::optional<std::complex<double>> response(const Parameters& values,
-                                               std::complex<double> s) const override {
+  std::optional<Complex> response(const Parameters& values, Complex s) const override {
     return FractionalDynamic::from(values).response(s);
   }
 
@@ -296,10 +295,8 @@ CrowdedPoints points_of(const FractionalDynamic& model, double anchor) {
 
 /// r(σ) = −(1/π) Im F(σ e^(iπ)).
 double density(const FractionalDynamic& model, double sigma) {
-  const std::complex<double> up =
-      model.k_p + model.theta * std::polar(std::pow(sigma, model.eta), pi * model.eta);
-  const std::complex<double> down =
-      1.0 + model.chi * std::polar(std::pow(sigma, model.lambda), pi * model.lambda);
+  const Complex up = model.k_p + model.theta * std::polar(std::pow(sigma, model.eta), pi * model.eta);
+  const Complex down = 1.0 + model.chi * std::polar(std::pow(sigma, model.lambda), pi * model.lambda);
   return -(up / down).imag() / pi;
 }
 
@@ -329,8 +326,8 @@ LagSpread LagSpread::of(const FractionalDynamic& model, double anchor) {
   return out;
 }
 
-std::complex<double> LagSpread::response(std::complex<double> s) const {
-  std::complex<double> sum = direct;
+Complex LagSpread::response(Complex s) const {
+  Complex sum = direct;
   for (std::size_t k = 0; k < sigma.size(); ++k) sum += weight[k] / (s + sigma[k]);
   return sum;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
 #include <span>
 #include <vector>
 
@@ -44,8 +43,8 @@ struct FractionalDynamic {
   int modes = 60;
 
   static FractionalDynamic from(const Parameters& values);
-  std::complex<double> fractional_part(std::complex<double> s) const;  ///< F
-  std::complex<double> response(std::complex<double> s) const;         ///< P
+  Complex fractional_part(Complex s) const;  ///< F
+  Complex response(Complex s) const;         ///< P
   FractionalPolynomial denominator() const;  ///< of eq. 15 multiplied out; eight terms
   /// Constant gain of P: K_M K_p/ω_n².
   double static_gain() const { return k_m * k_p / (omega_n * omega_n); }
@@ -59,7 +58,7 @@ struct LagSpread {
 
   /// No section falls on `anchor`.
   static LagSpread of(const FractionalDynamic& model, double anchor);
-  std::complex<double> response(std::complex<double> s) const;
+  Complex response(Complex s) const;
 };
 
 class FractionalOperator final : public Operator {

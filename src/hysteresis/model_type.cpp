@@ -68,7 +68,7 @@ Parameters& Parameters::set(std::string_view name, std::string_view text) {
 }
 
 bool Parameters::has(std::string_view name) const {
-  return std::any_of(values_.begin(), values_.end(), [&](const Value& v) { return v.name == name; });
+  return std::ranges::any_of(values_, [&](const Value& v) { return v.name == name; });
 }
 
 double Parameters::number(std::string_view name) const {

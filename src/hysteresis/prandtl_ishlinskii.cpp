@@ -28,7 +28,7 @@ void validate_dead_zones(const PrandtlIshlinskii& model) {
       if (model.s[k] == 0.0) throw DesignError("s holds a 0, expected thresholds on either side of it");
       if (model.s[k] * side > 0.0) knees.emplace_back(std::abs(model.s[k]), model.v[k]);
     }
-    std::sort(knees.begin(), knees.end());
+    std::ranges::sort(knees);
     double slope = 1.0;
     for (const auto& knee : knees) {
       slope += knee.second;
@@ -76,8 +76,8 @@ PrandtlIshlinskii PrandtlIshlinskii::from(const Parameters& values) {
   out.gamma = values.list("gamma");
   out.u_0 = values.number("u_0");
   out.offset = values.number("offset");
-  out.start = *std::find_if(kStarts.begin(), kStarts.end(),
-                            [&](Start start) { return to_string(start) == values.word("start"); });
+  out.start =
+      *std::ranges::find_if(kStarts, [&](Start start) { return to_string(start) == values.word("start"); });
   validate_plays(out);
   if (!out.gamma.empty() && (out.gamma.size() != 4 || !(out.gamma[0] * out.gamma[1] > 0.0)))
     throw DesignError("gamma is not [c0, c1, c2, c3] with c0 c1 > 0");

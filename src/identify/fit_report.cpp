@@ -66,9 +66,9 @@ chain::Trained trained_of(const StageFit& fit, std::span<const TimeRecord> train
 
 /// Whether the stage's size may be refitted (a delay alone does not let it).
 bool has_free_gain(const chain::Chain& model) {
-  return std::any_of(model.blocks.begin(), model.blocks.end(), [](const chain::Block& block) {
-    return std::any_of(block.parameters().begin(), block.parameters().end(),
-                       [](const chain::Parameter& p) { return p.free && p.key() == "gain"; });
+  return std::ranges::any_of(model.blocks, [](const chain::Block& block) {
+    return std::ranges::any_of(block.parameters(),
+                               [](const chain::Parameter& p) { return p.free && p.key() == "gain"; });
   });
 }
 

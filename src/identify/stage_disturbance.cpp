@@ -227,8 +227,8 @@ void make_rate_table(StageDisturbance& study) {
 
 /// The gains of one short turn.
 LoopAtStroke short_loop(const TurnedRecord& record, const Turn& turn, const StageDisturbance& study) {
-  const auto nearest = std::min_element(
-      study.loops.begin(), study.loops.end(), [&](const LoopAtFrequency& a, const LoopAtFrequency& b) {
+  const auto nearest =
+      std::ranges::min_element(study.loops, [&](const LoopAtFrequency& a, const LoopAtFrequency& b) {
         const auto away = [&](Hertz f) { return std::abs(std::log(f.value / record.frequency.value)); };
         return away(a.frequency) < away(b.frequency);
       });
@@ -265,7 +265,7 @@ void make_amplitude_table(const TurnedRecords& records, StageDisturbance& study)
       all.push_back(short_loop(record, turn, study));
     }
   }
-  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.alpha < b.alpha; });
+  std::ranges::sort(all, [](const auto& a, const auto& b) { return a.alpha < b.alpha; });
   for (const LoopAtStroke& one : all) {
     if (study.strokes.empty() || one.alpha - study.strokes.back().alpha > kOneStroke) {
       study.strokes.push_back(one);
@@ -347,9 +347,8 @@ StageDisturbance identify_disturbance(std::span<const TimeRecord> records,
   std::vector<OwnLoop> own;
   for (const TurnedRecord& record : turned.all)
     if (!record.training.empty()) own.push_back(own_loop(record, turned.input, out.lag));
-  std::stable_sort(own.begin(), own.end(), [](const OwnLoop& a, const OwnLoop& b) {
-    return a.record->frequency < b.record->frequency;
-  });
+  std::ranges::stable_sort(
+      own, [](const OwnLoop& a, const OwnLoop& b) { return a.record->frequency < b.record->frequency; });
   require_one_sign(own);
   say_signs(own, out);
   const std::array<Cubic, 2> base = base_polynomials(own);
@@ -361,8 +360,7 @@ StageDisturbance identify_disturbance(std::span<const TimeRecord> records,
   make_rate_table(out);
   make_amplitude_table(turned, out);
   say_what_one_line_leaves(out);
-  if (std::any_of(out.loops.begin(), out.loops.end(),
-                  [](const auto& one) { return one.held_out_turns == 0; }))
+  if (std::ranges::any_of(out.loops, [](const auto& one) { return one.held_out_turns == 0; }))
     out.notes.push_back(
         "records of one turn hold nothing out: their errors are those of the turn that was fitted");
   return out;

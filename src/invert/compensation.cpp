@@ -141,7 +141,7 @@ Compensation compensate(const chain::Chain& chain, const TimeRecord& reference, 
   const double late = std::min(std::round(out.delay_s / record.step_s), static_cast<double>(record.size()));
   for (OutOfReach& one : LimitCounts(record, out, options.limits).all(any, static_cast<std::size_t>(late)))
     out.out_of_reach.push_back(std::move(one));
-  out.samples_out_of_reach = static_cast<std::size_t>(std::count(any.begin(), any.end(), true));
+  out.samples_out_of_reach = static_cast<std::size_t>(std::ranges::count(any, true));
   return out;
 }
 

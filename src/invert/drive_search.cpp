@@ -29,7 +29,7 @@ simulate::RecordOptions record_options(const Options& options, const TimeRecord&
 }
 
 bool all_finite(const std::vector<double>& v) {
-  return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
+  return std::ranges::all_of(v, [](double x) { return std::isfinite(x); });
 }
 
 /// `v` by `shift` samples later (or earlier, below 0), its ends continued.

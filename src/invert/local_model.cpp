@@ -77,7 +77,7 @@ std::vector<SampledSystem> tangents(const chain::OdeKernel& kernel, const std::v
       }
       for (std::size_t i = 0; i < n; ++i) x[i] += h / 6.0 * (k[0][i] + 2.0 * (k[1][i] + k[2][i]) + k[3][i]);
     }
-    if (std::any_of(x.begin(), x.end(), [](double v) { return !(std::abs(v) < 1e30); })) x.assign(n, 0.0);
+    if (std::ranges::any_of(x, [](double v) { return !(std::abs(v) < 1e30); })) x.assign(n, 0.0);
   }
   return out;
 }

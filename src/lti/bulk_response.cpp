@@ -118,7 +118,7 @@ BulkResponse::BulkResponse(const Sections& sections) : gain_(sections.gain), del
   if (waiting) add(waiting_zeros, waiting_poles);
 }
 
-void BulkResponse::responses(std::span<const RadPerSecond> w, std::span<std::complex<double>> out) const {
+void BulkResponse::responses(std::span<const RadPerSecond> w, std::span<Complex> out) const {
   if (w.size() != out.size()) throw std::logic_error("bulk response: lengths differ");
   double lanes[kLanes];
   for (std::size_t i = 0; i < w.size(); i += kLanes) {
@@ -153,7 +153,7 @@ void for_pieces(const Sections& sections, const std::vector<Hertz>& grid, const 
   });
 }
 
-std::vector<std::complex<double>> responses(const Sections& sections, const std::vector<Hertz>& grid) {
+std::vector<Complex> responses(const Sections& sections, const std::vector<Hertz>& grid) {
   std::vector<Complex> out(grid.size());
   for_pieces(sections, grid, [&out](std::size_t begin, std::span<const Complex> h) {
     std::copy(h.begin(), h.end(), out.begin() + static_cast<std::ptrdiff_t>(begin));
@@ -166,8 +166,8 @@ namespace {
 constexpr double kDecibelPerLog = 10.0 / std::numbers::ln10;  // of a square
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
-BODESMITH_CLONES void levels_and_angles(const std::complex<double>* response, double* level_db,
-                                        double* angle_deg, std::size_t count) {
+BODESMITH_CLONES void levels_and_angles(const Complex* response, double* level_db, double* angle_deg,
+                                        std::size_t count) {
   const auto* parts =
       reinterpret_cast<const double*>(response);  // [complex.numbers.general]: re, im, re, ...
   for (std::size_t i = 0; i < count; ++i) {
@@ -179,7 +179,7 @@ BODESMITH_CLONES void levels_and_angles(const std::complex<double>* response, do
 }
 
 /// One piece, the turns not yet followed.
-void put(std::span<const std::complex<double>> response, std::size_t begin, LevelAndPhase& out) {
+void put(std::span<const Complex> response, std::size_t begin, LevelAndPhase& out) {
   levels_and_angles(response.data(), &out.magnitude_db[begin], &out.phase_deg[begin], response.size());
   for (std::size_t i = 0; i < response.size(); ++i) {
     // The square of a gain may leave the range of a double where the gain does not.
@@ -211,25 +211,25 @@ void follow_turns(std::vector<double>& phase_deg) {
 
 double group_delay_s(const Sections& sections, RadPerSecond w) {
   double delay = sections.delay_s;
-  const std::complex<double> s(0.0, w.value);
+  const Complex s(0.0, w.value);
   for (const Section& section : sections.sections) {
-    for (const std::complex<double>& p : section.poles) delay += (1.0 / (s - p)).real();
+    for (const Complex& p : section.poles) delay += (1.0 / (s - p)).real();
     // A zero on the axis turns the phase at one frequency and nowhere else.
-    for (const std::complex<double>& z : section.zeros) {
+    for (const Complex& z : section.zeros) {
       if (z.real() != 0.0) delay -= (1.0 / (s - z)).real();
     }
   }
   return delay;
 }
 
-double group_delay_s(const std::function<std::complex<double>(Hertz)>& response, Hertz f) {
+double group_delay_s(const std::function<Complex(Hertz)>& response, Hertz f) {
   constexpr double kStep = 1e-4;
-  const std::complex<double> above = response(Hertz{f.value * (1.0 + kStep)});
-  const std::complex<double> below = response(Hertz{f.value * (1.0 - kStep)});
+  const Complex above = response(Hertz{f.value * (1.0 + kStep)});
+  const Complex below = response(Hertz{f.value * (1.0 - kStep)});
   return -std::arg(above / below) / (2.0 * kStep * f.rad_s().value);
 }
 
-LevelAndPhase level_and_phase(std::span<const std::complex<double>> response) {
+LevelAndPhase level_and_phase(std::span<const Complex> response) {
   LevelAndPhase out = of_length(response.size());
   if (!response.empty()) put(response, 0, out);
   follow_turns(out.phase_deg);
@@ -238,8 +238,7 @@ LevelAndPhase level_and_phase(std::span<const std::complex<double>> response) {
 
 LevelAndPhase level_and_phase(const Sections& sections, const std::vector<Hertz>& grid) {
   LevelAndPhase out = of_length(grid.size());
-  for_pieces(sections, grid,
-             [&out](std::size_t begin, std::span<const std::complex<double>> h) { put(h, begin, out); });
+  for_pieces(sections, grid, [&out](std::size_t begin, std::span<const Complex> h) { put(h, begin, out); });
   follow_turns(out.phase_deg);
   return out;
 }

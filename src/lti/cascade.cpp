@@ -31,11 +31,11 @@ double FractionalLeadLag::phase_rad(RadPerSecond w) const {
   return beta * std::atan2(a - b, 1.0 + a * b);
 }
 
-std::complex<double> FractionalLeadLag::response(RadPerSecond w) const {
+Complex FractionalLeadLag::response(RadPerSecond w) const {
   return std::polar(std::exp(log_magnitude(w)), phase_rad(w));
 }
 
-std::complex<double> Cascade::response(RadPerSecond w) const {
+Complex Cascade::response(RadPerSecond w) const {
   double log_magnitude = 0.0;
   double phase = 0.0;
   for (const FractionalLeadLag& term : terms) {

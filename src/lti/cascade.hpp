@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -23,7 +22,7 @@ struct FractionalLeadLag {
   double x = 1.0;
   double beta = 0.0;
 
-  std::complex<double> response(RadPerSecond w) const;
+  Complex response(RadPerSecond w) const;
   /// ln |G(jw)|, without overflow for large |beta|.
   double log_magnitude(RadPerSecond w) const;
   double phase_rad(RadPerSecond w) const;
@@ -57,7 +56,7 @@ struct Cascade {
   };
   std::optional<FitSummary> fit;
 
-  std::complex<double> response(RadPerSecond w) const;
+  Complex response(RadPerSecond w) const;
   double magnitude_db(RadPerSecond w) const;
   /// From the lowest to the highest corner (and fit point); an error for a cascade without terms is the
   /// caller's.

@@ -28,8 +28,7 @@ FractionalPolynomial read_polynomial(const Node& node) {
     out.push_back(
         {item.at("coefficient").number(), power_of(item.at("power"), item.at("power").non_negative())});
   }
-  const bool any =
-      std::any_of(out.begin(), out.end(), [](const FractionalPower& t) { return t.coefficient != 0.0; });
+  const bool any = std::ranges::any_of(out, [](const FractionalPower& t) { return t.coefficient != 0.0; });
   if (!any) node.fail("has no coefficient other than 0");
   return out;
 }
@@ -47,8 +46,8 @@ FractionalTransfer read_pid(const Node& pid) {
 
 }  // namespace
 
-std::complex<double> evaluate(const FractionalPolynomial& polynomial, RadPerSecond w) {
-  std::complex<double> out = 0.0;
+Complex evaluate(const FractionalPolynomial& polynomial, RadPerSecond w) {
+  Complex out = 0.0;
   for (const FractionalPower& term : polynomial) {
     out += term.coefficient * std::polar(std::pow(w.value, term.power), 0.5 * std::numbers::pi * term.power);
   }
@@ -56,8 +55,7 @@ std::complex<double> evaluate(const FractionalPolynomial& polynomial, RadPerSeco
 }
 
 FractionalPolynomial collect_powers(FractionalPolynomial polynomial) {
-  std::sort(polynomial.begin(), polynomial.end(),
-            [](const FractionalPower& a, const FractionalPower& b) { return a.power < b.power; });
+  std::ranges::sort(polynomial, {}, &FractionalPower::power);
   FractionalPolynomial out;
   for (const FractionalPower& term : polynomial) {
     if (!out.empty() && std::abs(out.back().power - term.power) < 1e-12)
@@ -69,7 +67,7 @@ FractionalPolynomial collect_powers(FractionalPolynomial polynomial) {
   return out;
 }
 
-std::complex<double> FractionalTransfer::response(RadPerSecond w) const {
+Complex FractionalTransfer::response(RadPerSecond w) const {
   return evaluate(numerator, w) / evaluate(denominator, w);
 }
 
@@ -181,7 +179,7 @@ AxisWalk walk_axis(const FractionalPolynomial& terms) {
 /// points of the plane to one.
 double common_step_of(const FractionalPolynomial& terms) {
   for (int denominator = 1; denominator <= 60; ++denominator) {
-    const bool fits = std::all_of(terms.begin(), terms.end(), [&](const FractionalPower& t) {
+    const bool fits = std::ranges::all_of(terms, [&](const FractionalPower& t) {
       return std::abs(t.power * denominator - std::round(t.power * denominator)) < 1e-9;
     });
     if (!fits) continue;
@@ -213,9 +211,8 @@ std::optional<int> matignon_count_of(const FractionalPolynomial& terms, double s
   }
   for (Eigen::Index k = 1; k < n; ++k) companion(k, k - 1) = 1.0;
   const Eigen::VectorXcd roots = eigenvalues(companion);
-  return static_cast<int>(std::count_if(roots.begin(), roots.end(), [&](const Complex& root) {
-    return std::abs(std::arg(root)) < 0.5 * std::numbers::pi * step;
-  }));
+  return static_cast<int>(std::ranges::count_if(
+      roots, [&](const Complex& root) { return std::abs(std::arg(root)) < 0.5 * std::numbers::pi * step; }));
 }
 
 }  // namespace

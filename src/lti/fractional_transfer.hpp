@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -21,7 +20,7 @@ struct FractionalPower {
 using FractionalPolynomial = std::vector<FractionalPower>;
 
 /// Its value at s = jw.
-std::complex<double> evaluate(const FractionalPolynomial& polynomial, RadPerSecond w);
+Complex evaluate(const FractionalPolynomial& polynomial, RadPerSecond w);
 
 /// Equal powers joined, zeros dropped, powers rising.
 FractionalPolynomial collect_powers(FractionalPolynomial polynomial);
@@ -33,7 +32,7 @@ struct FractionalTransfer {
   FractionalPolynomial numerator;
   FractionalPolynomial denominator;
 
-  std::complex<double> response(RadPerSecond w) const;
+  Complex response(RadPerSecond w) const;
 
   /// TOML (or JSON) `bodesmith.fractional/1`:
   ///   numerator = [{coefficient = 2.0, power = 0.5}, ...], denominator = [...];

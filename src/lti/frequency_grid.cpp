@@ -35,11 +35,11 @@ constexpr int kDeepest = 11;
 
 struct GridPoint {
   Hertz f;
-  std::complex<double> h;
+  Complex h;
 };
 
-void add_between(const std::function<std::complex<double>(Hertz)>& response, const GridPoint& a,
-                 const GridPoint& b, double floor, double most_change, int depth, std::vector<Hertz>& out) {
+void add_between(const std::function<Complex(Hertz)>& response, const GridPoint& a, const GridPoint& b,
+                 double floor, double most_change, int depth, std::vector<Hertz>& out) {
   const double size = std::max(std::abs(a.h), std::abs(b.h));
   if (depth == 0 || !(size >= floor) || !(std::abs(b.h - a.h) > most_change * size)) return;
   const Hertz f{std::sqrt(a.f.value) * std::sqrt(b.f.value)};
@@ -52,8 +52,8 @@ void add_between(const std::function<std::complex<double>(Hertz)>& response, con
 
 }  // namespace
 
-std::vector<Hertz> judging_grid(const std::function<std::complex<double>(Hertz)>& response, Band band,
-                                int count, double most_change) {
+std::vector<Hertz> judging_grid(const std::function<Complex(Hertz)>& response, Band band, int count,
+                                double most_change) {
   std::vector<GridPoint> even;
   double largest = 0.0;
   for (const Hertz f : log_grid(band, count)) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <vector>
 
@@ -25,8 +24,8 @@ inline constexpr int kJudgedPoints = 121;
 /// points as near as the usual ones an error's peak is met within a part in a hundred); where it
 /// turns fast, at a resonance or beside a notch, its errors are largest and narrowest. Below kJudgedFloor of the largest
 /// magnitude seen nothing is added, nor more than 2^kDeepest points between two of the even ones.
-std::vector<Hertz> judging_grid(const std::function<std::complex<double>(Hertz)>& response, Band band,
-                                int count, double most_change = 0.15);
+std::vector<Hertz> judging_grid(const std::function<Complex(Hertz)>& response, Band band, int count,
+                                double most_change = 0.15);
 
 /// A response is judged where it has at least this share of its largest magnitude (-60 dB): near a zero on the axis (a
 /// notch, the stop band of an elliptic filter) a ratio has no bound, and a millivolt of a volt is where an op-amp's noise and

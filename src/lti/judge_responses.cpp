@@ -48,7 +48,7 @@ std::vector<Hertz> peaks_of(const Sampled& at) {
     const std::vector<Hertz> more = beside_peaks(at.grid, one);
     out.insert(out.end(), more.begin(), more.end());
   }
-  std::sort(out.begin(), out.end());
+  std::ranges::sort(out);
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
@@ -65,9 +65,9 @@ void refine_at_peaks(const Peaks& peaks, const Add& add) {
 
 }  // namespace
 
-Responses at_each(std::function<std::complex<double>(RadPerSecond)> response) {
+Responses at_each(std::function<Complex(RadPerSecond)> response) {
   return [response = std::move(response)](const std::vector<Hertz>& grid) {
-    std::vector<std::complex<double>> out;
+    std::vector<Complex> out;
     for (const Hertz f : grid) out.push_back(response(f.rad_s()));
     return out;
   };
@@ -77,7 +77,7 @@ std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vecto
   constexpr double kNear = 0.9;
   std::vector<Hertz> out;
   if (grid.size() < 2) return out;
-  const double largest = *std::max_element(curve.begin(), curve.end());
+  const double largest = *std::ranges::max_element(curve);
   const auto between = [&](std::size_t a, std::size_t b) {
     const Hertz f{std::sqrt(grid[a].value) * std::sqrt(grid[b].value)};
     if (grid[a] < f && f < grid[b] && (out.empty() || out.back() < f)) out.push_back(f);
@@ -102,7 +102,7 @@ double refined_maximum(std::vector<Hertz> grid, const std::function<double(Hertz
                       values.insert(values.begin() + at, curve(f));
                     }
                   });
-  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+  return values.empty() ? 0.0 : *std::ranges::max_element(values);
 }
 
 ResponseDifference judge_responses(const Responses& got, const Responses& wanted, Band band) {

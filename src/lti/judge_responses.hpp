@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <vector>
 
@@ -10,10 +9,10 @@
 
 namespace bodesmith {
 
-using Responses = std::function<std::vector<std::complex<double>>(const std::vector<Hertz>&)>;
+using Responses = std::function<std::vector<Complex>(const std::vector<Hertz>&)>;
 
 /// One frequency after the other.
-Responses at_each(std::function<std::complex<double>(RadPerSecond)> response);
+Responses at_each(std::function<Complex(RadPerSecond)> response);
 
 /// Frequencies halfway (in log) on both sides of every peak of a curve that comes within a tenth of its largest value.
 std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vector<double>& curve);

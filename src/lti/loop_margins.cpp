@@ -69,7 +69,7 @@ LoopOnGrid with_double_crossings(const Loop& loop, std::vector<Hertz> grid) {
   }
   if (!found.empty()) {
     grid.insert(grid.end(), found.begin(), found.end());
-    std::sort(grid.begin(), grid.end());
+    std::ranges::sort(grid);
     grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
     values = on_grid(loop, grid);
   }
@@ -109,7 +109,7 @@ double turn_with_crossings(const Loop& loop, const LoopOnGrid& sampled, const Lo
     at.emplace_back(crossing.frequency, loop(crossing.frequency));
   for (const auto& crossing : found.phase_crossings)
     at.emplace_back(crossing.frequency, loop(crossing.frequency));
-  std::sort(at.begin(), at.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::sort(at, [](const auto& a, const auto& b) { return a.first < b.first; });
   double out = 0.0;
   for (std::size_t i = 1; i < at.size(); ++i)
     if (at[i - 1].second != -1.0) out += std::arg((1.0 + at[i].second) / (1.0 + at[i - 1].second));
@@ -148,17 +148,16 @@ std::optional<double> turn_of(const std::function<Complex(double)>& at, double f
 }  // namespace
 
 const LoopMargins::GainCrossing* LoopMargins::least_phase_margin() const {
-  const auto least =
-      std::min_element(gain_crossings.begin(), gain_crossings.end(), [](const auto& a, const auto& b) {
-        return std::abs(a.phase_margin_deg) < std::abs(b.phase_margin_deg);
-      });
+  const auto least = std::ranges::min_element(gain_crossings, [](const auto& a, const auto& b) {
+    return std::abs(a.phase_margin_deg) < std::abs(b.phase_margin_deg);
+  });
   return least == gain_crossings.end() ? nullptr : &*least;
 }
 
 const LoopMargins::PhaseCrossing* LoopMargins::least_gain_margin() const {
-  const auto least = std::min_element(
-      phase_crossings.begin(), phase_crossings.end(),
-      [](const auto& a, const auto& b) { return std::abs(a.gain_margin_db) < std::abs(b.gain_margin_db); });
+  const auto least = std::ranges::min_element(phase_crossings, [](const auto& a, const auto& b) {
+    return std::abs(a.gain_margin_db) < std::abs(b.gain_margin_db);
+  });
   return least == phase_crossings.end() ? nullptr : &*least;
 }
 
@@ -205,8 +204,8 @@ LoopMargins loop_margins(const Loop& loop, const std::vector<Hertz>& points) {
   out.phase_crossings = phase_crossings(loop, grid, values);
   out.encircles = std::abs(turn_with_crossings(loop, sampled, out)) > std::numbers::pi;
   const auto distance = [](Complex l) { return std::abs(1.0 + l); };
-  const auto nearest = std::min_element(values.begin(), values.end(),
-                                        [&](Complex a, Complex b) { return distance(a) < distance(b); });
+  const auto nearest =
+      std::ranges::min_element(values, [&](Complex a, Complex b) { return distance(a) < distance(b); });
   const auto sensitivity = [&](Hertz f) { return 1.0 / distance(loop(f)); };
   out.max_sensitivity_at = refine_peak(sensitivity, grid, static_cast<std::size_t>(nearest - values.begin()));
   out.max_sensitivity = std::max(1.0 / distance(*nearest), sensitivity(out.max_sensitivity_at));

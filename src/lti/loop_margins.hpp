@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -26,8 +25,8 @@ struct LoopMargins {
   /// Largest |1/(1 + L)|, the reciprocal of the distance from -1, over the grid's band.
   double max_sensitivity = 0.0;
   Hertz max_sensitivity_at;
-  std::complex<double> lowest;  ///< L at the lowest frequency
-  bool encircles = false;       ///< 1 + L turns by more than half a turn round 0 over the grid
+  Complex lowest;          ///< L at the lowest frequency
+  bool encircles = false;  ///< 1 + L turns by more than half a turn round 0 over the grid
 
   /// The crossing nearest to instability; null without crossings.
   const GainCrossing* least_phase_margin() const;
@@ -40,10 +39,10 @@ struct LoopMargins {
   std::optional<double> gain_margin_db() const;
 };
 
-using Loop = std::function<std::complex<double>(Hertz)>;
+using Loop = std::function<Complex(Hertz)>;
 
 /// A loop known at some frequencies: between them ln |L| and its phase go straight over ln f.
-Loop interpolated_loop(std::vector<Hertz> grid, std::vector<std::complex<double>> values);
+Loop interpolated_loop(std::vector<Hertz> grid, std::vector<Complex> values);
 
 /// Crossings of |L| = 1 between neighbours of the rising grid, found to 1e-12 of their frequency; two within one step where the
 /// loop shows at the grid's points that it turns back there.
@@ -55,7 +54,7 @@ Json to_json(const LoopMargins& margins);
 /// All of them, crossings as gain_crossings() finds them.
 LoopMargins loop_margins(const Loop& loop, const std::vector<Hertz>& grid);
 /// The same of data, see interpolated_loop().
-LoopMargins loop_margins(const std::vector<Hertz>& grid, const std::vector<std::complex<double>>& values);
+LoopMargins loop_margins(const std::vector<Hertz>& grid, const std::vector<Complex>& values);
 
 /// Whether 1/(1 + L) is stable, by the turns of 1 + L(jw) round 0 (Nyquist), for L without poles in the right half
 /// plane. Nothing when L has such poles, or runs through -1.

@@ -28,8 +28,7 @@ std::vector<Group> group(std::vector<Complex> roots) {
     if (root.imag() > 0.0) out.push_back({{root, std::conj(root)}, log_size(root)});
     if (root.imag() == 0.0) out.push_back({{root}, log_size(root)});
   }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const Group& a, const Group& b) { return a.log_frequency < b.log_frequency; });
+  std::ranges::stable_sort(out, {}, &Group::log_frequency);
   return out;
 }
 
@@ -94,7 +93,7 @@ std::vector<std::size_t> best_order(const std::vector<std::vector<double>>& curv
   std::vector<std::size_t> order;
   for (std::size_t state = states - 1; state != 0; state ^= std::size_t{1} << last[state])
     order.push_back(last[state]);
-  std::reverse(order.begin(), order.end());
+  std::ranges::reverse(order);
   return order;
 }
 
@@ -144,7 +143,7 @@ std::vector<Section> pairs_along(const std::vector<Section>& sections,
     p ^= std::size_t{1} << (pair / n);
     z ^= std::size_t{1} << (pair % n);
   }
-  std::reverse(out.begin(), out.end());
+  std::ranges::reverse(out);
   return out;
 }
 
@@ -207,7 +206,7 @@ bool join_nearest(std::vector<Group>& slots) {
 
 std::size_t count_pairs(const std::vector<Group>& groups) {
   return static_cast<std::size_t>(
-      std::count_if(groups.begin(), groups.end(), [](const Group& g) { return g.roots.size() == 2; }));
+      std::ranges::count_if(groups, [](const Group& g) { return g.roots.size() == 2; }));
 }
 
 /// Zeros to the slots' poles: pairs to the nearest slot with room, then the real ones.
@@ -256,8 +255,8 @@ double distance_within(const std::vector<Section>& sections) {
     std::vector<double> poles, zeros;
     for (const Complex& root : section.poles) poles.push_back(log_size(root));
     for (const Complex& root : section.zeros) zeros.push_back(log_size(root));
-    std::sort(poles.begin(), poles.end());
-    std::sort(zeros.begin(), zeros.end());
+    std::ranges::sort(poles);
+    std::ranges::sort(zeros);
     for (std::size_t i = 0; i < zeros.size(); ++i) out += std::abs(zeros[i] - poles[i]);
   }
   return out;
@@ -328,11 +327,10 @@ OrderedSections order_sections(const Sections& given, Band band) {
   const auto grid = log_grid(band, band.from == band.to ? 1 : 121);
   const double db = kDecibelPerNeper;
   out.span_before_db = db * largest_span(given.sections, grid);
-  const bool first_order = std::all_of(given.sections.begin(), given.sections.end(), [](const Section& s) {
-    return s.poles.size() == 1 && s.zeros.size() == 1;
-  });
+  const bool first_order = std::ranges::all_of(
+      given.sections, [](const Section& s) { return s.poles.size() == 1 && s.zeros.size() == 1; });
   std::vector<Section> sections = given.sections;
-  const std::complex<double> whole = given.response(grid.front().rad_s());
+  const Complex whole = given.response(grid.front().rad_s());
   if (first_order && n <= kMaxPairs) {
     sections = best_pairs(given.sections, grid);
     out.exhaustive = true;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <vector>
 
 #include "lti/sections.hpp"
@@ -18,14 +17,14 @@ struct SectionMaking {
 /// of 1 at 0 Hz (1 at its poles' frequency when it has a zero at the origin); the rest is the cascade's gain. Real poles
 /// share a section where a complex pair of zeros needs one, or lies a factor of e nearer to them than otherwise.
 /// Needs no more zeros than poles; throws std::logic_error otherwise.
-Sections make_sections(double gain, std::vector<std::complex<double>> zeros,
-                       std::vector<std::complex<double>> poles, const SectionMaking& making = {});
+Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Complex> poles,
+                       const SectionMaking& making = {});
 
 /// The whole product H(s) = gain * prod (s - zero)/prod (s - pole).
 struct PooledRoots {
   double gain = 1.0;
-  std::vector<std::complex<double>> zeros;
-  std::vector<std::complex<double>> poles;
+  std::vector<Complex> zeros;
+  std::vector<Complex> poles;
 };
 PooledRoots pooled_roots(const Sections& sections);
 

@@ -15,7 +15,7 @@ namespace {
 std::vector<Complex> read_one_or_two(const Node& node) {
   std::vector<Complex> roots = roots_from(node);
   const bool paired = (roots.size() == 2 && roots[0] == std::conj(roots[1])) ||
-                      std::all_of(roots.begin(), roots.end(), [](Complex r) { return r.imag() == 0.0; });
+                      std::ranges::all_of(roots, [](Complex r) { return r.imag() == 0.0; });
   if (!paired) node.fail("has a complex root without its conjugate, expected real roots or a conjugate pair");
   return roots;
 }
@@ -54,7 +54,7 @@ double Section::dc_gain() const {
 }
 
 bool Section::is_stable() const {
-  return std::all_of(poles.begin(), poles.end(), [](Complex p) { return p.real() < 0.0; });
+  return std::ranges::all_of(poles, [](Complex p) { return p.real() < 0.0; });
 }
 
 bool integrates(const Section& section) {
@@ -89,8 +89,7 @@ double Sections::dc_gain() const {
 }
 
 bool integrates(const Sections& sections) {
-  return std::any_of(sections.sections.begin(), sections.sections.end(),
-                     [](const Section& s) { return integrates(s); });
+  return std::ranges::any_of(sections.sections, [](const Section& s) { return integrates(s); });
 }
 
 int Sections::pole_count() const {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -16,11 +15,11 @@ namespace bodesmith {
 /// than poles; complex ones come in conjugate pairs within the section.
 struct Section {
   double gain = 1.0;
-  std::vector<std::complex<double>> zeros;
-  std::vector<std::complex<double>> poles;
+  std::vector<Complex> zeros;
+  std::vector<Complex> poles;
 
-  std::complex<double> response(std::complex<double> s) const;
-  std::complex<double> response(RadPerSecond w) const { return response(std::complex<double>(0.0, w.value)); }
+  Complex response(Complex s) const;
+  Complex response(RadPerSecond w) const { return response(Complex(0.0, w.value)); }
   /// H(0); infinite for a pole at the origin.
   double dc_gain() const;
   /// H(infinity): `gain` with as many zeros as poles, otherwise 0.
@@ -46,8 +45,8 @@ struct Sections {
   std::optional<Error> error;
   double delay_s = 0.0;
 
-  std::complex<double> response(std::complex<double> s) const;
-  std::complex<double> response(RadPerSecond w) const { return response(std::complex<double>(0.0, w.value)); }
+  Complex response(Complex s) const;
+  Complex response(RadPerSecond w) const { return response(Complex(0.0, w.value)); }
   double dc_gain() const;
   int pole_count() const;
   /// Lowest and highest |pole| or |zero| above 0; {0, 0} when there is none.
@@ -69,9 +68,8 @@ struct ResponseDifference {
   double max_complex_percent = 0.0;
   Hertz worst;  ///< where max_complex_percent is met
 };
-ResponseDifference compare_responses(const std::vector<Hertz>& grid,
-                                     const std::vector<std::complex<double>>& got,
-                                     const std::vector<std::complex<double>>& wanted);
+ResponseDifference compare_responses(const std::vector<Hertz>& grid, const std::vector<Complex>& got,
+                                     const std::vector<Complex>& wanted);
 
 /// A pole at the origin, all others in the left half plane.
 bool integrates(const Section& section);

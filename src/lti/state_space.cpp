@@ -55,13 +55,13 @@ StateSpace pole_pair(const Section& section) {
   return out;
 }
 
-bool all_real(const std::vector<std::complex<double>>& roots) {
-  return std::all_of(roots.begin(), roots.end(), [](auto r) { return r.imag() == 0.0; });
+bool all_real(const std::vector<Complex>& roots) {
+  return std::ranges::all_of(roots, [](auto r) { return r.imag() == 0.0; });
 }
 
 }  // namespace
 
-std::complex<double> response(const StateSpace& system, std::complex<double> s) {
+Complex response(const StateSpace& system, Complex s) {
   if (system.order() == 0) return system.d;
   const Eigen::Index n = eigen_index(system.order());
   const Eigen::MatrixXcd left = s * Eigen::MatrixXcd::Identity(n, n) - matrix_of(system).cast<Complex>();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -74,7 +73,7 @@ inline double max_row_sum(const StateSpace& system) {
 }
 
 /// c (s I - A)^-1 b + d; constants count for nothing.
-std::complex<double> response(const StateSpace& system, std::complex<double> s);
+Complex response(const StateSpace& system, Complex s);
 /// The state at rest under u, -A^-1 (b u + constant), into x. A must have an inverse.
 void equilibrium(const StateSpace& system, double u, double* x);
 

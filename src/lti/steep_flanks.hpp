@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <vector>
 
@@ -20,7 +19,7 @@ inline constexpr double kFlankRate = 0.11512925464970229 / 0.01;
 /// kJudgedFloor of the largest; between the grid's points ln H is taken as straight in ln f.
 class FlankedCurve {
  public:
-  FlankedCurve(const std::vector<Hertz>& grid, const std::vector<std::complex<double>>& wanted);
+  FlankedCurve(const std::vector<Hertz>& grid, const std::vector<Complex>& wanted);
 
   /// Above kJudgedFloor of the largest.
   bool is_judged(std::size_t i) const { return judged_[i]; }
@@ -35,17 +34,17 @@ class FlankedCurve {
     double relative = 0.0;  ///< |got/wanted - 1|; of what is moved, |ln(got/wanted)| and the shift
   };
   /// Which of its figures stay at or below those of `enough` is all that is told of them.
-  Error error(std::size_t i, std::complex<double> got, const Error& enough) const;
-  Error error(std::size_t i, std::complex<double> got) const { return error(i, got, Error{}); }
+  Error error(std::size_t i, Complex got, const Error& enough) const;
+  Error error(std::size_t i, Complex got) const { return error(i, got, Error{}); }
 
  private:
   /// Level and angle of `got` against the curve's at point k.
-  std::complex<double> difference(std::size_t k, std::complex<double> log_got) const;
-  void visit(std::size_t i, int step, std::complex<double> log_got, const Error& enough, Error& out) const;
+  Complex difference(std::size_t k, Complex log_got) const;
+  void visit(std::size_t i, int step, Complex log_got, const Error& enough, Error& out) const;
 
   std::vector<double> log_f_;
-  std::vector<std::complex<double>> log_h_;
-  std::vector<std::complex<double>> h_;
+  std::vector<Complex> log_h_;
+  std::vector<Complex> h_;
   std::vector<bool> judged_;
   std::vector<double> turn_;  ///< of the angle since the point before
   std::vector<double> reach_;
@@ -53,7 +52,7 @@ class FlankedCurve {
   bool has_flanks_ = false;
 };
 
-bool has_flanks(const std::function<std::complex<double>(Hertz)>& response, Band band);
+bool has_flanks(const std::function<Complex(Hertz)>& response, Band band);
 
 /// What summaries say of a response with flanks.
 inline constexpr const char* kFlanksText =

@@ -53,7 +53,7 @@ std::optional<TimeResponse::Figures> figures_of(const TimeResponse& r, double fi
 double response_duration_s(const Sections& sections) {
   double slowest = 0.0;
   for (const Section& section : sections.sections) {
-    for (const std::complex<double>& p : section.poles) {
+    for (const Complex& p : section.poles) {
       const double rate = p.real() != 0.0 ? std::abs(p.real()) : std::abs(p) / 10.0;
       if (rate > 0.0) slowest = std::max(slowest, 1.0 / rate);
     }

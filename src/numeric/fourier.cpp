@@ -27,7 +27,7 @@ bool has_small_factors(std::size_t n) {
 class KeptTransform {
  public:
   Eigen::FFT<double>& of(std::size_t n, bool half) {
-    if (std::find(sizes_.begin(), sizes_.end(), n) == sizes_.end()) {
+    if (std::ranges::find(sizes_, n) == sizes_.end()) {
       if (sizes_.size() == kMostSizes) {
         sizes_.clear();
         fft_ = Eigen::FFT<double>();

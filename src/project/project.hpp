@@ -99,7 +99,7 @@ struct Project {
         measured_percent;  ///< rms errors that somebody measured, one a frequency; may be empty
 
     tracking::Reference::Shape waveform() const { return waveforms.front(); }
-    double amplitude() const { return *std::max_element(amplitudes.begin(), amplitudes.end()); }
+    double amplitude() const { return *std::ranges::max_element(amplitudes); }
   } track;
 
   struct Limits {

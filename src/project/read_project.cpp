@@ -96,7 +96,7 @@ Project::Limits read_limits(const Node& node, bool stage) {
 }
 
 /// Roots of s^2 + c1 s + c0.
-std::vector<std::complex<double>> quadratic_roots(const Node& node) {
+std::vector<Complex> quadratic_roots(const Node& node) {
   const std::vector<double> c = node.numbers();
   if (c.size() != 2) node.fail(fmt::format("has {} numbers, expected [c1, c0] of s^2 + c1 s + c0", c.size()));
   if (!(c[0] > 0.0) || !(c[1] > 0.0))

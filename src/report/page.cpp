@@ -120,7 +120,7 @@ std::vector<const char*> classes_of(const Table& table) {
   std::vector<const char*> out(table.head.size(), "");
   for (const auto& row : table.rows) {
     for (std::size_t c = 0; c < std::min(row.size(), out.size()); ++c)
-      if (std::count(row[c].begin(), row[c].end(), ' ') >= kBlanks) out[c] = " class=\"words\"";
+      if (std::ranges::count(row[c], ' ') >= kBlanks) out[c] = " class=\"words\"";
   }
   return out;
 }
@@ -138,7 +138,7 @@ void Page::table(const Table& table, const std::string& caption) {
     out += fmt::format("<th scope=\"col\"{}>{}</th>", class_of(c), escape_xml(table.head[c]));
   out += "</tr></thead>\n<tbody>\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
-    const bool marked = std::find(table.marked.begin(), table.marked.end(), i) != table.marked.end();
+    const bool marked = std::ranges::find(table.marked, i) != table.marked.end();
     out += marked ? "<tr class=\"marked\">" : "<tr>";
     for (std::size_t c = 0; c < table.rows[i].size(); ++c)
       out += fmt::format("<td{}>{}</td>", class_of(c), escape_xml(table.rows[i][c]));

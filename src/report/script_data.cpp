@@ -49,7 +49,7 @@ Json axis_json(const Axis& axis, Range range) {
 class Columns {
  public:
   std::size_t number_of(Json column) {
-    const auto found = std::find(columns_.begin(), columns_.end(), column);
+    const auto found = std::ranges::find(columns_, column);
     if (found != columns_.end()) return static_cast<std::size_t>(found - columns_.begin());
     columns_.push_back(std::move(column));
     return columns_.size() - 1;
@@ -109,7 +109,7 @@ std::string unit_of_label(const std::string& label) {
       "parts"};
   const std::size_t comma = label.rfind(", ");
   const std::string last = comma == std::string::npos ? label : label.substr(comma + 2);
-  return std::find(kUnits.begin(), kUnits.end(), last) != kUnits.end() ? last : std::string();
+  return std::ranges::find(kUnits, last) != kUnits.end() ? last : std::string();
 }
 
 Json choices_json(const std::vector<Choice>& choices, std::size_t chosen) {
@@ -214,7 +214,7 @@ Series thinned(Series series, std::size_t most, bool logarithmic) {
   std::vector<double> y;
   const auto put = [&](const Kept& kept) {
     std::array<std::optional<std::size_t>, 3> at{kept.lowest, kept.highest, kept.gap};
-    std::sort(at.begin(), at.end());
+    std::ranges::sort(at);
     for (std::size_t k = 0; k < at.size(); ++k) {
       if (!at[k] || (k > 0 && at[k] == at[k - 1])) continue;
       x.push_back(series.x[*at[k]]);

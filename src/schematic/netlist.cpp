@@ -6,8 +6,8 @@
 
 namespace bodesmith::schematic {
 
-std::complex<double> OpAmpModel::open_loop(RadPerSecond w) const {
-  return dc_gain / std::complex<double>(1.0, w.value * dc_gain / gain_bandwidth.rad_s().value);
+Complex OpAmpModel::open_loop(RadPerSecond w) const {
+  return dc_gain / Complex(1.0, w.value * dc_gain / gain_bandwidth.rad_s().value);
 }
 
 OpAmpModel OpAmpModel::ideal() {
@@ -54,7 +54,7 @@ SwitchTimer SwitchTimer::of(const SwitchModel& model) {
 }
 
 const Part* Netlist::part_named(const std::string& name) const {
-  const auto at = std::find_if(parts.begin(), parts.end(), [&](const Part& one) { return one.name == name; });
+  const auto at = std::ranges::find(parts, name, &Part::name);
   return at == parts.end() ? nullptr : &*at;
 }
 

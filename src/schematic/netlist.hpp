@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <complex>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -35,7 +34,7 @@ struct OpAmpModel {
   /// The type "ideal".
   static OpAmpModel ideal();
 
-  std::complex<double> open_loop(RadPerSecond w) const;
+  Complex open_loop(RadPerSecond w) const;
 };
 
 /// An analog switch with break-before-make. All figures are typical data-sheet values, assumptions until a
@@ -245,7 +244,7 @@ template <class Before>
 void sort_groups(Netlist& netlist, Before before) {
   std::vector<std::size_t> order(netlist.groups.size()), place(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return before(netlist.groups[a].purpose, netlist.groups[b].purpose);
   });
   std::vector<Group> sorted;

@@ -24,7 +24,7 @@ Branch merged(Branch::Kind kind, Branch a, Branch b) {
   put(kind, std::move(b), out.children);
   // What is drawn lowest comes first: single parts below ladders.
   if (kind == Branch::Kind::parallel) {
-    std::stable_sort(out.children.begin(), out.children.end(), [](const Branch& x, const Branch& y) {
+    std::ranges::stable_sort(out.children, [](const Branch& x, const Branch& y) {
       return x.kind == Branch::Kind::part && y.kind != Branch::Kind::part;
     });
   }
@@ -65,7 +65,7 @@ Branch Branch::from(const std::string& node) const {
   if (left == node) return *this;
   Branch out = *this;
   std::swap(out.left, out.right);
-  if (kind == Kind::series) std::reverse(out.children.begin(), out.children.end());
+  if (kind == Kind::series) std::ranges::reverse(out.children);
   for (Branch& child : out.children) child = child.from(child.right);
   return out;
 }

@@ -43,8 +43,7 @@ BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& f
     point.line = csv.line(i);
     out.points.push_back(point);
   }
-  std::stable_sort(out.points.begin(), out.points.end(),
-                   [](const BodePoint& a, const BodePoint& b) { return a.frequency < b.frequency; });
+  std::ranges::stable_sort(out.points, {}, &BodePoint::frequency);
   for (std::size_t i = 1; i < out.points.size(); ++i) {
     if (out.points[i].frequency == out.points[i - 1].frequency) {
       throw InputError(out.file, std::max(out.points[i].line, out.points[i - 1].line),

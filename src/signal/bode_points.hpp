@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -35,7 +34,7 @@ struct BodePoints {
 struct FrequencyRecord {
   std::string file;
   std::vector<Hertz> frequency;
-  std::vector<std::complex<double>> response;
+  std::vector<Complex> response;
   std::vector<double> coherence;  ///< empty, or one value in [0, 1] a row
 
   /// CSV `frequency_hz,magnitude_db,phase_deg` (optional `coherence`); frequencies rising and above 0.

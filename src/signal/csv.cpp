@@ -173,7 +173,7 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
               file, line_number,
               fmt::format("'{}' is not a column name, expected a header row such as time_s,u,y", cell));
         }
-        if (std::find(csv.names_.begin(), csv.names_.end(), cell) != csv.names_.end()) {
+        if (std::ranges::find(csv.names_, cell) != csv.names_.end()) {
           throw InputError(file, line_number, fmt::format("column '{}' is named twice", cell));
         }
         csv.names_.emplace_back(cell);
@@ -228,11 +228,11 @@ std::string column_meant(std::string_view name, const std::vector<std::string>& 
 }  // namespace
 
 bool Csv::has(std::string_view name) const {
-  return std::find(names_.begin(), names_.end(), name) != names_.end();
+  return std::ranges::find(names_, name) != names_.end();
 }
 
 const std::vector<double>& Csv::column(std::string_view name) const {
-  const auto at = std::find(names_.begin(), names_.end(), name);
+  const auto at = std::ranges::find(names_, name);
   if (at == names_.end() && foreign() && (name == column::frequency_hz || name == column::time_s)) {
     throw InputError(file_, 0,
                      fmt::format("is a {} ({}), expected a {}",

@@ -29,15 +29,14 @@ Spectrum spectrum_of(std::span<const double> x, double start_s, double step_s, b
       weight += w;
     }
   }
-  const std::vector<std::complex<double>> lines = half_spectrum(weighted);
+  const std::vector<Complex> lines = half_spectrum(weighted);
   Spectrum out;
   double largest = 0.0;
   const double seconds = step_s * static_cast<double>(n);
   for (std::size_t k = 0; 2 * k <= n; ++k) {
     const bool once = k == 0 || 2 * k == n;  // the others stand for a pair of lines
     const double f = static_cast<double>(k) / seconds;
-    const std::complex<double> line =
-        lines[k] * std::polar((once ? 1.0 : 2.0) / weight, -kTurn * f * start_s);
+    const Complex line = lines[k] * std::polar((once ? 1.0 : 2.0) / weight, -kTurn * f * start_s);
     out.frequency.push_back(Hertz{f});
     out.amplitude.push_back(std::abs(line));
     out.phase_deg.push_back(to_degrees(std::arg(line)));

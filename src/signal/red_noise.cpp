@@ -217,7 +217,7 @@ Agreement agreement(const std::vector<Band>& bands, const std::vector<double>& s
 
 double deviations_from_slow_noise(std::span<const double> power) {
   const auto bands = bands_of(power);
-  const bool empty = std::any_of(bands.begin(), bands.end(), [](const Band& b) { return !(b.power > 0.0); });
+  const bool empty = std::ranges::any_of(bands, [](const Band& b) { return !(b.power > 0.0); });
   if (bands.size() < kMinBands || empty) return 0.0;
   Agreement best;
   const double span = kHighestCorner * bands.back().bin / kLowestCorner;

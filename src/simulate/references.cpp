@@ -182,8 +182,7 @@ TimeRecord make_reference(const ReferenceSpec& spec) {
 }
 
 bool can_be_swept(const std::string& kind) {
-  return std::any_of(kinds().begin(), kinds().end(),
-                     [&](const Kind& k) { return k.about.name == kind && k.sweep; });
+  return std::ranges::any_of(kinds(), [&](const Kind& k) { return k.about.name == kind && k.sweep; });
 }
 
 std::optional<Hertz> fundamental_of(const ReferenceSpec& spec) {

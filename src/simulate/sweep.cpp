@@ -25,8 +25,8 @@
 namespace bodesmith::simulate {
 namespace {
 
-std::complex<double> line(std::span<const double> x, int k) {
-  std::complex<double> sum = 0.0;
+Complex line(std::span<const double> x, int k) {
+  Complex sum = 0.0;
   const double n = static_cast<double>(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     sum += x[i] * std::polar(2.0 / n, -2.0 * std::numbers::pi * k * static_cast<double>(i) / n);
@@ -136,9 +136,8 @@ std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& o
     if (interrupted()) return;
     const Hertz frequency = options.frequencies[i / options.amplitudes.size()];
     const double amplitude = options.amplitudes[i % options.amplitudes.size()];
-    const auto old = std::find_if(known.begin(), known.end(), [&](const SweepRow& r) {
-      return r.frequency == frequency && r.amplitude == amplitude;
-    });
+    const auto old = std::ranges::find_if(
+        known, [&](const SweepRow& r) { return r.frequency == frequency && r.amplitude == amplitude; });
     try {
       rows[i] = old != known.end() ? *old : measure(chain, options, frequency, amplitude);
     } catch (const Interrupted&) {

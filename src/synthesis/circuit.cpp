@@ -19,7 +19,7 @@ bool states_a_band(const Sections& sections) {
          sections.error->band.to > sections.error->band.from;
 }
 
-std::string factors_text(const std::vector<std::complex<double>>& roots) {
+std::string factors_text(const std::vector<Complex>& roots) {
   if (roots.empty()) return "1";
   if (std::abs(roots[0]) == 0.0 && std::abs(roots.back()) == 0.0) return roots.size() == 1 ? "s" : "s^2";
   if (roots[0].imag() != 0.0) {
@@ -121,13 +121,13 @@ std::vector<double> Circuit::realised_values(const Stage& stage) const {
   return out;
 }
 
-std::complex<double> Circuit::response(RadPerSecond w) const {
+Complex Circuit::response(RadPerSecond w) const {
   Complex h = 1.0;
   for (const Stage& stage : stages) h *= stage.response(w);
   return h;
 }
 
-std::vector<std::complex<double>> Circuit::responses(const std::vector<Hertz>& grid) const {
+std::vector<Complex> Circuit::responses(const std::vector<Hertz>& grid) const {
   std::vector<Complex> out;
   out.reserve(grid.size());
   for (const Hertz f : grid) out.push_back(response(f.rad_s()));

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -22,10 +21,8 @@ struct Biquad {
   double b0 = 0.0, b1 = 0.0, b2 = 0.0;
   double a0 = 1.0, a1 = 0.0, a2 = 0.0;
 
-  std::complex<double> response(std::complex<double> s) const {
-    return (b0 + s * (b1 + s * b2)) / (a0 + s * (a1 + s * a2));
-  }
-  std::complex<double> response(RadPerSecond w) const { return response(std::complex<double>(0.0, w.value)); }
+  Complex response(Complex s) const { return (b0 + s * (b1 + s * b2)) / (a0 + s * (a1 + s * a2)); }
+  Complex response(RadPerSecond w) const { return response(Complex(0.0, w.value)); }
   /// Roots and leading gain. A constant has no section form: its poles are empty.
   Section section() const;
   static Biquad from_section(const Section& section);
@@ -47,12 +44,12 @@ struct Stage {
   /// Its equations: transfer() of any part values (realisation.hpp). Ladders have none.
   std::shared_ptr<const StageForm> form;
 
-  std::complex<double> response(RadPerSecond w) const { return product(realised, w); }
-  std::complex<double> wanted_response(RadPerSecond w) const { return product(wanted, w); }
+  Complex response(RadPerSecond w) const { return product(realised, w); }
+  Complex wanted_response(RadPerSecond w) const { return product(wanted, w); }
 
  private:
-  static std::complex<double> product(const std::vector<Biquad>& factors, RadPerSecond w) {
-    std::complex<double> out = 1.0;
+  static Complex product(const std::vector<Biquad>& factors, RadPerSecond w) {
+    Complex out = 1.0;
     for (const Biquad& factor : factors) out *= factor.response(w);
     return out;
   }
@@ -69,8 +66,8 @@ struct Circuit : schematic::Netlist {
   std::vector<double> realised_values(const Stage& stage) const;
 
   /// With ideal op-amps and the realised parts.
-  std::complex<double> response(RadPerSecond w) const;
-  std::vector<std::complex<double>> responses(const std::vector<Hertz>& grid) const;
+  Complex response(RadPerSecond w) const;
+  std::vector<Complex> responses(const std::vector<Hertz>& grid) const;
   /// The same as sections (for the simulator): the product of the stages' realised transfers. Stages that are
   /// a constant (an inverter) go into the gain.
   Sections realised_sections() const;

@@ -144,7 +144,7 @@ Section section_from_node(const Node& node) {
           .poles = roots_from(node.at("poles_rad_s"))};
 }
 
-std::complex<double> CircuitFile::wanted(RadPerSecond w) const {
+Complex CircuitFile::wanted(RadPerSecond w) const {
   Complex h = 1.0;
   for (const Stage& stage : circuit.stages) h *= stage.wanted_response(w);
   return h;
@@ -169,7 +169,7 @@ CircuitFile CircuitFile::from_node(const Node& node) {
 namespace {
 
 Json section_json(const std::vector<Biquad>& factors) {
-  Section all{.gain = 1.0};
+  Section all;
   for (const Biquad& h : factors) {
     const Section section = h.section();
     all.gain *= section.gain;

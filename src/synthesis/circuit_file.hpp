@@ -1,7 +1,5 @@
 #pragma once
 
-#include <complex>
-
 #include "base/documents/document.hpp"
 #include "base/documents/json_fwd.hpp"
 #include "lti/frequency_grid.hpp"
@@ -17,7 +15,7 @@ struct CircuitFile {
   Band band;  ///< in which it was judged
 
   /// What the stages are to do together: the sections it was made from.
-  std::complex<double> wanted(RadPerSecond w) const;
+  Complex wanted(RadPerSecond w) const;
 
   /// Errors with file and line: an unknown realisation, a part that is missing, parts that do not make what the file
   /// says they make.

@@ -19,7 +19,7 @@ void measure_nodes(const Circuit& circuit, const std::vector<Hertz>& grid, Reali
   report.highest_node_db = -std::numeric_limits<double>::infinity();
   report.lowest_node_db = std::numeric_limits<double>::infinity();
   for (const Hertz f : grid) {
-    std::complex<double> h = 1.0;
+    Complex h = 1.0;
     for (const Stage& stage : circuit.stages) {
       h *= stage.response(f.rad_s());
       report.highest_node_db = std::max(report.highest_node_db, to_decibel(std::abs(h)));
@@ -41,7 +41,7 @@ void PartLimits::validate() const {
 }
 
 void report_realised(Realised& made, const Sections& sections, Band band,
-                     const std::function<std::complex<double>(RadPerSecond)>& nearest) {
+                     const std::function<Complex(RadPerSecond)>& nearest) {
   RealiseReport& report = made.report;
   report.band = band;
   using Grid = std::vector<Hertz>;
@@ -60,14 +60,14 @@ void report_realised(Realised& made, const Sections& sections, Band band,
 Sections without_far_zeros(const Sections& sections) {
   double highest = 0.0;
   for (const Section& section : sections.sections) {
-    for (const std::complex<double> pole : section.poles) highest = std::max(highest, std::abs(pole));
+    for (const Complex pole : section.poles) highest = std::max(highest, std::abs(pole));
   }
   Sections out = sections;
   if (highest == 0.0) return out;  // integrators alone: no corner to be far from
   for (Section& section : out.sections) {
-    std::vector<std::complex<double>> kept;
-    std::complex<double> gain = section.gain;
-    for (const std::complex<double> zero : section.zeros) {
+    std::vector<Complex> kept;
+    Complex gain = section.gain;
+    for (const Complex zero : section.zeros) {
       if (std::abs(zero) <= kFarZeroRatio * highest) {
         kept.push_back(zero);
       } else {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <optional>
 #include <string>
@@ -72,7 +71,7 @@ Sections without_far_zeros(const Sections& sections);
 
 /// Fills made.report for made.circuit; `nearest` is the response with every value rounded on its own.
 void report_realised(Realised& made, const Sections& sections, Band band,
-                     const std::function<std::complex<double>(RadPerSecond)>& nearest);
+                     const std::function<Complex(RadPerSecond)>& nearest);
 
 /// Sections as a circuit, by options.realisation (realisation.hpp). Throws InputError for options that cannot
 /// be meant; a design that cannot be made is a Refusal.

@@ -117,7 +117,7 @@ Complex Design::nominal(Hertz f) const {
 
 bool Design::is_quick() const {
   const std::vector<double> values = nominal_values();
-  return !stages.empty() && std::none_of(stages.begin(), stages.end(), [&](const Stage& stage) {
+  return !stages.empty() && std::ranges::none_of(stages, [&](const Stage& stage) {
     return stage.transfer(std::span(values).subspan(stage.first_part, stage.part_count)).a0 == 0.0;
   });
 }

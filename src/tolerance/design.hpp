@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -45,10 +44,9 @@ struct Design {
   bool ideal_opamps = true;  ///< in it
   /// A board as it runs, wires, clocks and holds in it; its capacitors are the parts, in the same order.
   std::shared_ptr<const fpaa::Plan> board;
-  std::function<std::complex<double>(Hertz)>
-      wanted;  ///< deviations are counted from here, and judged by its flanks
+  std::function<Complex(Hertz)> wanted;  ///< deviations are counted from here, and judged by its flanks
   /// What the op-amps make of the response at the nominal parts, 1 where they are ideal; none: ideal.
-  std::function<std::complex<double>(Hertz)> opamps;
+  std::function<Complex(Hertz)> opamps;
   std::string reference_name;  ///< "sections" or "nominal"
   std::string band_name;       ///< where the band below comes from
   Band band;
@@ -56,10 +54,10 @@ struct Design {
   std::vector<std::string> notes;
 
   std::vector<double> nominal_values() const;
-  std::complex<double> response(Hertz f, std::span<const double> values) const;
-  std::complex<double> nominal(Hertz f) const;
+  Complex response(Hertz f, std::span<const double> values) const;
+  Complex nominal(Hertz f) const;
   /// What the response of ideal op-amps is compared with: wanted/opamps.
-  std::complex<double> reference(Hertz f) const { return opamps ? wanted(f) / opamps(f) : wanted(f); }
+  Complex reference(Hertz f) const { return opamps ? wanted(f) / opamps(f) : wanted(f); }
   /// Products of quadratics, none of them with a pole at 0: what the kernel evaluates in lanes.
   bool is_quick() const;
 };

@@ -22,13 +22,13 @@ std::vector<Hertz> with_judged(const Design& design, const std::vector<Hertz>& g
       judging_grid(design.wanted, {Hertz{grid.front().value / kBeyond}, Hertz{grid.back().value * kBeyond}},
                    kJudgedPoints, kChange);
   out.insert(out.end(), judged.begin(), judged.end());
-  std::sort(out.begin(), out.end());
+  std::ranges::sort(out);
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 
-std::vector<std::complex<double>> wanted_at(const Design& design, const std::vector<Hertz>& grid) {
-  std::vector<std::complex<double>> out;
+std::vector<Complex> wanted_at(const Design& design, const std::vector<Hertz>& grid) {
+  std::vector<Complex> out;
   for (const Hertz f : grid) out.push_back(design.wanted(f));
   return out;
 }
@@ -84,7 +84,7 @@ double limit_percent_of(const Part& part, const Spread& spread) {
   return 0.0;
 }
 
-using Slopes = std::vector<std::vector<std::complex<double>>>;  // d ln H/d ln part, [part][frequency]
+using Slopes = std::vector<std::vector<Complex>>;  // d ln H/d ln part, [part][frequency]
 
 Slopes circuit_slopes(const schematic::Netlist& netlist, bool ideal_opamps, const std::vector<Hertz>& grid) {
   const schematic::Equations equations(netlist, {.ideal_opamps = ideal_opamps});
@@ -109,7 +109,7 @@ Sensitivity sensitivity_of(const Design& design, const Options& options) {
   for (const auto& slopes : log_slopes(design, options.grid)) {
     out.db_per_percent.emplace_back();
     out.deg_per_percent.emplace_back();
-    for (const std::complex<double>& slope : slopes) {
+    for (const Complex& slope : slopes) {
       out.db_per_percent.back().push_back(0.01 * kDecibelPerNeper * slope.real());
       out.deg_per_percent.back().push_back(to_degrees(0.01 * slope.imag()));
     }
@@ -164,7 +164,7 @@ double worst_case_db(const Design& design, const Options& options, const Sensiti
         values[p] = nominal[p] * std::max(1.0 + limit, 1e-3);
       }
       const Hertz f = options.grid[i];
-      const std::complex<double> ratio = design.response(f, values) / design.reference(f);
+      const Complex ratio = design.response(f, values) / design.reference(f);
       const double db = std::clamp(to_decibel(std::abs(ratio)), -kMaxDeviationDb, kMaxDeviationDb);
       out = std::max(out, judge(i, db, to_degrees(std::arg(ratio))).db);
     }
@@ -189,7 +189,7 @@ Result expected_result(const Design& design, const Options& options, const Judge
       max_variance = at.variance;
       loudest = i;
     }
-    const std::complex<double> offset = design.nominal(options.grid[i]) / design.reference(options.grid[i]);
+    const Complex offset = design.nominal(options.grid[i]) / design.reference(options.grid[i]);
     const double off_db = std::clamp(std::abs(to_decibel(std::abs(offset))), 0.0, kMaxDeviationDb);
     const double range_db = std::min(kRoom * (at.db + off_db) + 1e-6, kMaxDeviationDb);
     const double range_deg =
@@ -206,8 +206,7 @@ Result expected_result(const Design& design, const Options& options, const Judge
   out.worst_percent = {0.0, 100.0 * most, {}, 0.0, 0.0};
   for (std::size_t p = 0; p < design.parts.size(); ++p)
     out.ranking.push_back(rank_of(p, design, options, s, loudest, max_variance));
-  std::stable_sort(out.ranking.begin(), out.ranking.end(),
-                   [](const PartRank& a, const PartRank& b) { return a.share > b.share; });
+  std::ranges::stable_sort(out.ranking, std::ranges::greater(), &PartRank::share);
   return out;
 }
 

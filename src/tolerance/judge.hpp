@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -29,7 +28,7 @@ class Judge {
  private:
   Judge(const Design& design, const std::vector<Hertz>& grid, const std::vector<Hertz>& dense);
 
-  std::vector<std::complex<double>> wanted_;
+  std::vector<Complex> wanted_;
   FlankedCurve curve_;
   std::vector<std::size_t> place_;  ///< of the grid's points on the curve
 };

@@ -39,7 +39,7 @@ class Kernel {
   bool quick_ = true;  ///< by pairs
   std::optional<fpaa::DrawnBoard> board_;
   std::optional<schematic::ResponseOfParts> network_;
-  std::vector<std::complex<double>> drawn_;  ///< one of its responses
+  std::vector<Complex> drawn_;  ///< one of its responses
   std::vector<Pair> pairs_;
   std::vector<double> values_;
   std::vector<Departure> departure_;  ///< of each part, relative

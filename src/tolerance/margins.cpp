@@ -88,7 +88,7 @@ LoopStudy study_loop(const Design& design, const Options& options, const std::ve
     out.max_sensitivity.push_back(one.max_sensitivity);
   }
   for (std::vector<double>* all : {&out.phase_margin_deg, &out.gain_margin_db, &out.max_sensitivity})
-    std::sort(all->begin(), all->end());
+    std::ranges::sort(*all);
   return out;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <vector>
 
 #include "base/documents/json_fwd.hpp"
@@ -24,7 +23,7 @@ struct LoopStudy {
 /// The same draws as run_monte_carlo(), all of them by this process. `plant` on the grid; between the points of the grid
 /// loops go straight (interpolated_loop()).
 LoopStudy study_loop(const Design& design, const Options& options, const std::vector<Hertz>& grid,
-                     const std::vector<std::complex<double>>& plant);
+                     const std::vector<Complex>& plant);
 
 /// What 95 of 100 circuits keep.
 double kept_by_95(const std::vector<double>& least_first);

@@ -219,7 +219,7 @@ std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& opt
   }
   // Wide tolerances are cheap, capacitors more expensive than resistors at the same figure.
   const auto price = [](const Purchase& p) { return 1.0 / p.resistor_percent + 4.0 / p.capacitor_percent; };
-  std::stable_sort(out.begin(), out.end(), [&](const Purchase& a, const Purchase& b) {
+  std::ranges::stable_sort(out, [&](const Purchase& a, const Purchase& b) {
     if (a.meets != b.meets) return a.meets;
     return a.meets ? price(a) < price(b) : a.worst_db_95 < b.worst_db_95;
   });

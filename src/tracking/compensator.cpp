@@ -5,7 +5,7 @@
 #include "tracking/stage.hpp"
 
 namespace bodesmith::tracking {
-std::complex<double> compensator_response(const Compensator& compensator, RadPerSecond w) {
+Complex compensator_response(const Compensator& compensator, RadPerSecond w) {
   struct At {
     RadPerSecond w;
     Complex operator()(const Uncompensated&) const { return 0.0; }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <optional>
 #include <variant>
@@ -52,7 +51,7 @@ struct FilterAndSchedule {
 /// harmonic. `approximation` (of high order) stands for it in the time domain,
 /// when given.
 struct ResponseCompensator {
-  std::function<std::complex<double>(RadPerSecond)> response;
+  std::function<Complex(RadPerSecond)> response;
   std::optional<Sections> approximation;
 };
 
@@ -60,7 +59,7 @@ using Compensator = std::variant<Uncompensated, ConstantGain, Sections, Response
                                  SlopeGain, FilterAndSchedule>;
 
 /// The frequency response by which a compensator acts on a waveform. Gains that are set by a frequency have none (see settled_at) and count as nothing.
-std::complex<double> compensator_response(const Compensator& compensator, RadPerSecond w);
+Complex compensator_response(const Compensator& compensator, RadPerSecond w);
 
 /// The compensator as it is at one operating frequency: a scheduled gain has become a constant one.
 Compensator settled_at(const Compensator& compensator, Hertz frequency);

@@ -175,7 +175,7 @@ std::vector<double> PeriodicTracking::self_fed_drive(const Design& design, const
     std::vector<double> gain;
     if (!plain) gain = loop_gain(compensators, v);
     const auto steep = [](double k) { return !(std::abs(k) < 1.0); };
-    plain = plain || !(change < last_change) || std::any_of(gain.begin(), gain.end(), steep);
+    plain = plain || !(change < last_change) || std::ranges::any_of(gain, steep);
     for (std::size_t i = 0; i < n_; ++i) v[i] += (x_[i] - c[i] - v[i]) / (plain ? 1.0 : 1.0 + gain[i]);
     if (change < kSettled) return v;
     if (!(change < 1e3)) break;

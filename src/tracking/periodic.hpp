@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -48,7 +47,7 @@ class PeriodicTracking {
   /// A branch's compensator at this frequency, worked out once for all rounds: the response at the harmonics, or the
   /// gain sample by sample; neither: it gives nothing.
   struct Prepared {
-    std::vector<std::complex<double>> response;
+    std::vector<Complex> response;
     std::vector<double> gain;
   };
   using Both = std::array<Prepared, 2>;

@@ -34,7 +34,7 @@ const std::vector<Complex>& reference_spectrum(const std::vector<double>& x) {
   thread_local std::size_t next = 0;
   thread_local std::vector<Complex> long_one;
   if (x.size() > kLongest) return long_one = half_spectrum(x);
-  const auto found = std::find_if(known.begin(), known.end(), [&x](const Known& one) { return one.x == x; });
+  const auto found = std::ranges::find(known, x, &Known::x);
   if (found != known.end()) return found->spectrum;
   Known& place = known[next++ % kKept];
   place = {x, half_spectrum(x)};
@@ -144,7 +144,7 @@ std::vector<double> numbers_of(const Sections& path, std::size_t samples, double
     out.push_back(section.gain);
     for (const auto* roots : {&section.zeros, &section.poles}) {
       out.push_back(static_cast<double>(roots->size()));
-      for (const std::complex<double>& root : *roots) {
+      for (const Complex& root : *roots) {
         out.push_back(root.real());
         out.push_back(root.imag());
       }
@@ -155,12 +155,11 @@ std::vector<double> numbers_of(const Sections& path, std::size_t samples, double
 
 /// The path at 0 Hz and every multiple of 1/(samples step_s) up to the middle, which are real numbers at both ends. A study
 /// asks for the same few paths and periods again and again: the last ones are kept, one row a thread.
-const std::vector<std::complex<double>>& response_at_bins(const Sections& path, std::size_t samples,
-                                                          double step_s) {
+const std::vector<Complex>& response_at_bins(const Sections& path, std::size_t samples, double step_s) {
   constexpr std::size_t kKept = 16, kLongest = std::size_t{1} << 17;
   struct Known {
     std::vector<double> numbers;
-    std::vector<std::complex<double>> h;
+    std::vector<Complex> h;
   };
   thread_local std::array<Known, kKept> known;
   thread_local std::size_t next = 0;
@@ -173,7 +172,7 @@ const std::vector<std::complex<double>>& response_at_bins(const Sections& path, 
   grid.reserve(samples / 2 + 1);
   for (std::size_t k = 0; k <= samples / 2; ++k)
     grid.push_back({static_cast<double>(k) / (static_cast<double>(samples) * step_s)});
-  std::vector<std::complex<double>> h = responses(path, grid);
+  std::vector<Complex> h = responses(path, grid);
   h.front() = h.front().real();
   if (samples % 2 == 0) h.back() = h.back().real();
   Known& place = samples > kLongest ? long_one : known[next++ % kKept];
@@ -203,7 +202,7 @@ LagResult best_lag(const std::vector<double>& y, const std::vector<double>& x, d
 
 void check_drive(std::span<const double> v) {
   if (v.empty()) throw InputError("the drive has no samples");
-  if (!std::all_of(v.begin(), v.end(), [](double value) { return std::isfinite(value); }))
+  if (!std::ranges::all_of(v, [](double value) { return std::isfinite(value); }))
     throw InputError("the drive has a sample that is no number");
 }
 
@@ -260,15 +259,15 @@ std::vector<double> PolynomialStage::by_turning_points(const std::vector<double>
 
 std::vector<double> through_path(const Sections& path, std::span<const double> u, double step_s) {
   if (path.sections.empty() && path.gain == 1.0) return {u.begin(), u.end()};
-  std::vector<std::complex<double>> bins = half_spectrum(u);
-  const std::vector<std::complex<double>>& h = response_at_bins(path, u.size(), step_s);
+  std::vector<Complex> bins = half_spectrum(u);
+  const std::vector<Complex>& h = response_at_bins(path, u.size(), step_s);
   for (std::size_t k = 0; k < bins.size(); ++k) bins[k] *= h[k];
   return from_half_spectrum(bins, u.size());
 }
 
 std::vector<bool> rising_samples(std::span<const double> u, double turn_back) {
   const std::size_t n = u.size();
-  const auto start = static_cast<std::size_t>(std::min_element(u.begin(), u.end()) - u.begin());
+  const auto start = static_cast<std::size_t>(std::ranges::min_element(u) - u.begin());
   const std::vector<TurningPoint> turns = turning_points(u, start, turn_back);
   std::vector<bool> out(n, true);
   if (turns.size() == 1) return out;  // it never turns

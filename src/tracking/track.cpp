@@ -169,9 +169,8 @@ Report track(const Plant& plant, const std::vector<Design>& designs, const Optio
 }
 
 const Case* Report::find(Hertz frequency, const std::string& design) const {
-  const auto found = std::find_if(cases.begin(), cases.end(), [&](const Case& c) {
-    return c.frequency == frequency && c.design == design;
-  });
+  const auto found = std::ranges::find_if(
+      cases, [&](const Case& c) { return c.frequency == frequency && c.design == design; });
   return found == cases.end() ? nullptr : &*found;
 }
 

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 
 #include <cmath>
-#include <complex>
 #include <string>
 #include <vector>
 
@@ -19,7 +18,7 @@ struct SeriesController {
   simulate::PidController pid;
   Sections filter;  ///< gain 1 and no sections: none
 
-  std::complex<double> response(std::complex<double> s) const;
+  Complex response(Complex s) const;
   /// The whole as sections, the integrator a pole at 0.
   Sections sections() const;
 };
@@ -54,8 +53,8 @@ class ControllerKind {
   virtual Bounds bounds(const ShapeSetting& setting) const = 0;
   virtual SeriesController make(const Eigen::VectorXd& x, const ShapeSetting& setting) const = 0;
   /// C(j w) of the form itself, where making it out of sections is an approximation.
-  virtual std::complex<double> response(const SeriesController& made, const Eigen::VectorXd&,
-                                        const ShapeSetting&, std::complex<double> s) const {
+  virtual Complex response(const SeriesController& made, const Eigen::VectorXd&, const ShapeSetting&,
+                           Complex s) const {
     return made.response(s);
   }
   /// False: make() is expensive, and response() does without it (`made` is then empty).

@@ -179,8 +179,7 @@ bool is_document(const std::filesystem::path& file) {
 MeasuredFit plain_fit(const FrequencyRecord& record) {
   constexpr double kAsGood = 1.1;
   MeasuredFit fit = fit_measured(record, {});
-  const auto chosen = std::find_if(fit.orders.begin(), fit.orders.end(),
-                                   [&](const MeasuredFit::Order& o) { return o.order == fit.order; });
+  const auto chosen = std::ranges::find(fit.orders, fit.order, &MeasuredFit::Order::order);
   if (chosen == fit.orders.end()) return fit;
   const double enough = kAsGood * kAsGood * chosen->held_out;  // mean squares
   for (auto order = fit.orders.begin(); order != chosen; ++order) {

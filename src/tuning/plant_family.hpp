@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,7 +10,7 @@
 
 namespace bodesmith::tuning {
 
-using Response = std::function<std::complex<double>(RadPerSecond)>;
+using Response = std::function<Complex(RadPerSecond)>;
 
 /// One plant that the loop may meet.
 struct PlantMember {

@@ -106,7 +106,7 @@ std::vector<Hertz> peaks_of(const std::vector<Hertz>& grid, const std::vector<Co
     if (grid[i] > from && size > std::abs(plant[i - 1]) && size >= std::abs(plant[i + 1]))
       found.emplace_back(-size, grid[i]);
   }
-  std::sort(found.begin(), found.end());
+  std::ranges::sort(found);
   std::vector<Hertz> out;
   for (const auto& [size, f] : found) out.push_back(f);
   return out;
@@ -410,7 +410,7 @@ LeastMargins least_margins(const std::vector<MemberMargins>& members) {
 }
 
 bool TunedLoop::stable() const {
-  return std::all_of(members.begin(), members.end(), [](const MemberMargins& m) { return m.stable; });
+  return std::ranges::all_of(members, [](const MemberMargins& m) { return m.stable; });
 }
 
 Json TunedLoop::report_json(const TuneOptions& options) const {

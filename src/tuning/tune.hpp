@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -24,11 +23,11 @@ struct LoopLimits {
 /// Whether 1/(1 + L) is stable for L without poles in the right half plane, by the turns of 1 + L(jw) round 0 (Nyquist),
 /// from samples so dense that no step turns by half a turn. `integrators`: poles of L at 0. Needs |L| < 1 at the last
 /// sample and beyond; false otherwise.
-bool turns_are_stable(std::span<const std::complex<double>> loop, int integrators);
+bool turns_are_stable(std::span<const Complex> loop, int integrators);
 
 /// How far the samples of L are from keeping the limits: 0 when they do, the sum of the relative shortfalls otherwise, 2
 /// more when the loop is unstable. Crossings between neighbours by straight lines in log magnitude and phase.
-double shortfall(std::span<const std::complex<double>> loop, int integrators, const LoopLimits& limits);
+double shortfall(std::span<const Complex> loop, int integrators, const LoopLimits& limits);
 
 struct TuneOptions {
   LoopLimits limits;

@@ -119,7 +119,7 @@ std::string Node::string() const {
   expect(*this, Kind::string);
   // Names and words end up in netlists, C sources and pages, where a second line would be a statement of its own.
   const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
-  if (std::any_of(data_->string.begin(), data_->string.end(), control))
+  if (std::ranges::any_of(data_->string, control))
     fail("holds a line break or another control character, expected one line of text");
   return data_->string;
 }

@@ -23,8 +23,8 @@ std::shared_ptr<Data> convert(const toml::node& node, const std::shared_ptr<cons
     for (const auto& [key, value] : *table)
       data->members.emplace_back(std::string(key.str()), convert(value, file));
     // toml++ sorts by name; a person wrote them by line.
-    std::stable_sort(data->members.begin(), data->members.end(),
-                     [](const auto& a, const auto& b) { return a.second->line < b.second->line; });
+    std::ranges::stable_sort(data->members,
+                             [](const auto& a, const auto& b) { return a.second->line < b.second->line; });
   } else if (const auto* array = node.as_array()) {
     data->kind = Node::Kind::array;
     for (const auto& value : *array) data->items.push_back(convert(value, file));

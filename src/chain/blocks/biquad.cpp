@@ -29,11 +29,11 @@ class Biquad final : public BlockType {
     k.d = high;
     return k;
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     const double r = w.hz().value / block.get("natural_frequency_hz");
-    return std::complex<double>(block.get("lowpass_gain") - block.get("highpass_gain") * r * r,
-                                block.get("bandpass_gain") * r) /
-           std::complex<double>(1.0 - r * r, 2.0 * block.get("damping_ratio") * r);
+    return Complex(block.get("lowpass_gain") - block.get("highpass_gain") * r * r,
+                   block.get("bandpass_gain") * r) /
+           Complex(1.0 - r * r, 2.0 * block.get("damping_ratio") * r);
   }
   double slowest_time_constant_s(const Block& block) const override {
     return mode_time_constant_s(Hertz{block.get("natural_frequency_hz")}, block.get("damping_ratio"));

@@ -32,12 +32,11 @@ class Creep final : public BlockType {
     }
     return k;
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     const auto gains = block.list("gains");
     const auto times = block.list("time_constants_s");
-    std::complex<double> h = 1.0;
-    for (std::size_t i = 0; i < gains.size(); ++i)
-      h += gains[i] / std::complex<double>(1.0, w.value * times[i]);
+    Complex h = 1.0;
+    for (std::size_t i = 0; i < gains.size(); ++i) h += gains[i] / Complex(1.0, w.value * times[i]);
     return h;
   }
   double slowest_time_constant_s(const Block& block) const override {

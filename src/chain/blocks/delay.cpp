@@ -13,7 +13,7 @@ class Delay final : public BlockType {
     k.delay_s = block.get("delay_s");
     return k;
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     return std::polar(1.0, -w.value * block.get("delay_s"));
   }
   double slowest_time_constant_s(const Block& block) const override { return block.get("delay_s") / 7.0; }

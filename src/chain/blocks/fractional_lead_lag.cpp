@@ -39,10 +39,10 @@ class FractionalLeadLagBlock final : public BlockType {
     }
     return slowed(made, term.lambda_s);
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     return term_of(block).response(w);
   }
-  std::optional<std::complex<double>> transfer(const Block& block, std::complex<double> s) const override {
+  std::optional<Complex> transfer(const Block& block, Complex s) const override {
     const FractionalLeadLag term = term_of(block);
     return std::exp(term.beta *
                     (std::log(1.0 + term.lambda_s * s) - std::log(1.0 + term.x * term.lambda_s * s)));

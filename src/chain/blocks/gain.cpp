@@ -14,7 +14,7 @@ class Gain final : public BlockType {
   Kernel kernel(const Block& block) const override {
     return gain_kernel(block.get("gain"), block.get("offset"));
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond) const override {
     return block.get("gain");
   }
   std::optional<Affine> affine(const Block& block) const override {

@@ -20,9 +20,9 @@ class Highpass final : public BlockType {
     k.d = block.get("gain");
     return k;
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     const double ratio = w.hz().value / block.get("corner_hz");
-    return block.get("gain") * std::complex<double>(0.0, ratio) / std::complex<double>(1.0, ratio);
+    return block.get("gain") * Complex(0.0, ratio) / Complex(1.0, ratio);
   }
   double slowest_time_constant_s(const Block& block) const override {
     return 1.0 / Hertz{block.get("corner_hz")}.rad_s().value;

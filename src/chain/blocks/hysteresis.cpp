@@ -64,7 +64,7 @@ class HysteresisBlock final : public BlockType {
     const hysteresis::Model model = hysteresis_model_of(block);
     return std::make_unique<OperatorKernel>(make_operator(model), model_->branch_curves(model.parameters));
   }
-  std::optional<std::complex<double>> transfer(const Block& block, std::complex<double> s) const override {
+  std::optional<Complex> transfer(const Block& block, Complex s) const override {
     return model_->response(parameters_of(block), s);
   }
   /// The model's own inverse, sample by sample, where it has one.

@@ -23,8 +23,8 @@ class Integrator final : public BlockType {
     k.d = block.get("proportional");
     return k;
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
-    return block.get("gain_per_s") / std::complex<double>(0.0, w.value) + block.get("proportional");
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
+    return block.get("gain_per_s") / Complex(0.0, w.value) + block.get("proportional");
   }
   int section_order() const override { return 1; }
 };

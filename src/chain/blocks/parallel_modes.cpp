@@ -61,12 +61,12 @@ class ParallelModes final : public BlockType {
     }
     return k;
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     // Asked for each point of each run: in the order of the specs, without copies.
     const auto& values = block.parameters();
     const std::size_t count = (values.size() - kBeside) / kLists;
     const double hz = w.hz().value;
-    std::complex<double> sum = 0.0;
+    Complex sum = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
       const double r = hz / values[count + i].value;
       sum += values[i].value * inverse_of_mode(r, values[2 * count + i].value);
@@ -74,7 +74,7 @@ class ParallelModes final : public BlockType {
     const double beside_hz = values[kLists * count].value;
     if (!(beside_hz > 0.0)) return 1.0 + sum;
     const double r = hz / beside_hz;
-    return 1.0 + std::complex<double>(1.0 - r * r, 2.0 * values[kLists * count + 1].value * r) * sum;
+    return 1.0 + Complex(1.0 - r * r, 2.0 * values[kLists * count + 1].value * r) * sum;
   }
   double slowest_time_constant_s(const Block& block) const override {
     const auto frequencies = block.list("natural_frequencies_hz");
@@ -92,7 +92,7 @@ class ParallelModes final : public BlockType {
   static constexpr std::size_t kBeside = 2;
 
   /// 1/(1 - r^2 + 2 zeta r j)
-  static std::complex<double> inverse_of_mode(double r, double damping) {
+  static Complex inverse_of_mode(double r, double damping) {
     const double real = 1.0 - r * r;
     const double imaginary = 2.0 * damping * r;
     const double size = real * real + imaginary * imaginary;

@@ -99,10 +99,10 @@ class Resonator final : public BlockType {
     }
     return out;
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     if (!is_linear(block)) return std::nullopt;
     const double r = w.hz().value / block.get("natural_frequency_hz");
-    return block.get("gain") / std::complex<double>(1.0 - r * r, 2.0 * block.get("damping_ratio") * r);
+    return block.get("gain") / Complex(1.0 - r * r, 2.0 * block.get("damping_ratio") * r);
   }
 
   double slowest_time_constant_s(const Block& block) const override {

@@ -30,7 +30,7 @@ class SampleHold final : public BlockType {
                   {above_zero("clock_hz", "Hz", "clock"),
                    flag("half_cycle", "the sample appears half a cycle later")}) {}
   /// Of the part at the input's own frequency; images about the clock's multiples come besides.
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+  std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     const double cycle = w.hz().value / block.get("clock_hz");
     const double angle = std::numbers::pi * cycle;
     const double droop = angle == 0.0 ? 1.0 : std::sin(angle) / angle;

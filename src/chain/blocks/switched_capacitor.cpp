@@ -31,7 +31,7 @@ class SectionKernel final : public SampledKernel {
   double delay_s() const override { return delay_s_; }
   double reset(double u, bool equilibrium) override {
     sample_ = 0;
-    std::fill(state_.begin(), state_.end(), 0.0);
+    std::ranges::fill(state_, 0.0);
     if (!equilibrium) return 0.0;
     double top = 0.0;
     double bottom = 0.0;

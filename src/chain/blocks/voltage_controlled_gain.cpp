@@ -20,9 +20,7 @@ class VoltageControlledGain final : public BlockType {
   Kernel kernel(const Block& block) const override {
     return gain_kernel(gain_of(block), block.get("control_feedthrough") * block.get("control_v"));
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond) const override {
-    return gain_of(block);
-  }
+  std::optional<Complex> response(const Block& block, RadPerSecond) const override { return gain_of(block); }
 
  private:
   static double gain_of(const Block& block) {

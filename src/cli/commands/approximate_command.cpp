@@ -134,9 +134,8 @@ std::string rearrangement_text(const CascadeApproximation& result, const Rearran
 std::string complex_hint(const Cascade& cascade, const ApproximationOptions& options,
                          const CascadeApproximation& real) {
   constexpr double kWorthAWord = 0.97;
-  const bool steep = std::any_of(real.terms.begin(), real.terms.end(), [](const TermApproximation& term) {
-    return std::abs(term.term.beta) > 2.0;
-  });
+  const bool steep = std::ranges::any_of(
+      real.terms, [](const TermApproximation& term) { return std::abs(term.term.beta) > 2.0; });
   if (!steep || !options.real_roots || options.method != ApproximationOptions{}.method ||
       options.max_error_db)
     return {};

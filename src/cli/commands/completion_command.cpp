@@ -151,7 +151,7 @@ int run_completion(const std::vector<std::string>& arguments) {
   line.output("file to write (default: stdout)", true);
   if (!line.parse(arguments)) return kDone;
   const std::string shell = line.files()[0];
-  if (std::find(shells().begin(), shells().end(), shell) == shells().end())
+  if (std::ranges::find(shells(), shell) == shells().end())
     line.fail(fmt::format("'{}' is not a shell that is known{}, expected {}", shell,
                           did_you_mean(shell, shells()), join(shells(), ", ")));
   const std::string text = render_template("completion/bodesmith." + shell, completion_data());

@@ -147,7 +147,7 @@ Designed equaliser(const CommandLine& line, const std::string& word) {
 std::string roots_summary(const Sections& sections) {
   std::string text;
   for (const Section& section : sections.sections) {
-    const std::complex<double> pole = section.poles.front();
+    const Complex pole = section.poles.front();
     text += fmt::format("  pole{} at {}", section.poles.size() == 1 ? "" : "s",
                         engineering_text(RadPerSecond{std::abs(pole)}.hz().value, "Hz", 5));
     if (pole.imag() != 0.0)

@@ -77,9 +77,9 @@ gap::SearchOptions read_options(const CommandLine& line, Progress& progress, con
 }
 
 bool has_option(const std::vector<std::string>& arguments, const std::vector<std::string>& options) {
-  return std::any_of(arguments.begin(), arguments.end(), [&](const std::string& a) {
-    return std::any_of(options.begin(), options.end(),
-                       [&](const std::string& o) { return a == o || a.starts_with(o + "="); });
+  return std::ranges::any_of(arguments, [&](const std::string& a) {
+    return std::ranges::any_of(options,
+                               [&](const std::string& o) { return a == o || a.starts_with(o + "="); });
   });
 }
 

@@ -49,14 +49,14 @@ void add_chain(const Node& node, exchange::Exportable& out) {
   const auto linear = [](const chain::Block& block) {
     return std::holds_alternative<chain::LinearKernel>(block.kernel());
   };
-  if (!std::all_of(chain.blocks.begin(), chain.blocks.end(), linear)) return;
+  if (!std::ranges::all_of(chain.blocks, linear)) return;
   for (const chain::Block& block : chain.blocks) {
     const auto kernel = std::get<chain::LinearKernel>(block.kernel());
     out.chain.push_back({block.type_name(), kernel, kernel.delay_s});
   }
   for (std::size_t i = 0; i < out.response->frequency.size(); ++i) {
-    const std::complex<double> s(0.0, out.response->frequency[i].rad_s().value);
-    std::complex<double> h = 1.0;
+    const Complex s(0.0, out.response->frequency[i].rad_s().value);
+    Complex h = 1.0;
     for (const chain::Block& block : chain.blocks)
       h *= chain::response(std::get<chain::LinearKernel>(block.kernel()), s);
     out.response->response[i] = h;

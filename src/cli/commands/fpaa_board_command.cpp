@@ -126,7 +126,7 @@ int run_fpaa_verify(const std::vector<std::string>& arguments) {
   for (auto file = files.begin() + 1; file != files.end(); ++file) {
     for (const fpaa::Bytes& bytes : read_streams(*file, from)) {
       const fpaa::ConfigStream stream = fpaa::decode(bytes, *file);
-      const auto chip = std::find_if(plan.chips.begin(), plan.chips.end(), [&](const fpaa::ChipPlan& c) {
+      const auto chip = std::ranges::find_if(plan.chips, [&](const fpaa::ChipPlan& c) {
         const auto number = static_cast<std::size_t>(c.chip - 1);
         return number < project.chips.size() && project.chips[number].address1 == stream.address1;
       });

@@ -81,7 +81,7 @@ std::vector<Hertz> frequencies_to_track(const CommandLine& line) {
     }
     out.push_back({f});
   }
-  std::sort(out.begin(), out.end());
+  std::ranges::sort(out);
   return out;
 }
 

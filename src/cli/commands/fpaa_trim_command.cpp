@@ -65,8 +65,8 @@ fpaa::MeasuredBoard read_measured(const CommandLine& line, Provenance& from) {
   return out;
 }
 
-std::vector<std::complex<double>> wanted_response(const CommandLine& line, const fpaa::Plan& plan,
-                                                  const std::vector<Hertz>& grid, Provenance& from) {
+std::vector<Complex> wanted_response(const CommandLine& line, const fpaa::Plan& plan,
+                                     const std::vector<Hertz>& grid, Provenance& from) {
   if (line.has("sections") && line.has("target")) line.fail("--sections and --target, expected one of them");
   if (!line.has("sections")) {
     const fpaa::Plan target =
@@ -75,7 +75,7 @@ std::vector<std::complex<double>> wanted_response(const CommandLine& line, const
     return board.response(board.nominal_units());
   }
   const Sections sections = Sections::read(line.get<std::string>("sections"), from);
-  std::vector<std::complex<double>> out;
+  std::vector<Complex> out;
   for (const Hertz f : grid) out.push_back(sections.response(f.rad_s()));
   return out;
 }

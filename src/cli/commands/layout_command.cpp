@@ -94,8 +94,7 @@ std::string layout_summary(const generator::DisturbanceCircuit& layout, const ge
   text += fmt::format(
       "offsets, scales and tolerances (assumed, see layout.json): {} of range rms from all causes, worst "
       "branch; largest: {}\n",
-      percent(*std::max_element(budget.rss_percent.begin(), budget.rss_percent.end())),
-      budget.lines[0].cause);
+      percent(*std::ranges::max_element(budget.rss_percent)), budget.lines[0].cause);
   if (layout.amplitude) {
     text += fmt::format("amplitude gains: {} multipliers, {} of range from the table\n",
                         layout.amplitude->multipliers.size(), percent(layout.amplitude->max_error_percent));

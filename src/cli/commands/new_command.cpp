@@ -107,7 +107,7 @@ int run_new(const std::vector<std::string>& arguments) {
   for (const std::string& one : project.next) data["next"].push_back({{"line", one}});
   out.add("README.md", render_template("new/README.md", data));
   for (const SchemaFile& schema : schema_files()) {
-    if (std::find(project.schemas.begin(), project.schemas.end(), schema.name) != project.schemas.end())
+    if (std::ranges::find(project.schemas, schema.name) != project.schemas.end())
       out.add(fs::path(".schemas") / schema.file, schema.text);
   }
   out.commit();

@@ -81,7 +81,7 @@ int run_sc(const std::vector<std::string>& arguments) {
   for (const Hertz f : log_grid(band, line.integer("count", 2, 10'000'000))) {
     std::vector<std::string> cells{number_text(f.value)};
     if (ac) {
-      const std::complex<double> h = networks.gain(f.rad_s());
+      const Complex h = networks.gain(f.rad_s());
       cells.push_back(number_text(to_decibel(std::abs(h))));
       cells.push_back(number_text(to_degrees(std::arg(h))));
     }

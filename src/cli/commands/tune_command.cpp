@@ -61,8 +61,7 @@ tuning::TuneOptions tune_options(const CommandLine& line) {
 const tuning::ControllerKind& kind_of(const CommandLine& line) {
   const auto& all = tuning::controller_kinds();
   const auto name = line.get<std::string>("kind");
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const auto* kind) { return kind->name() == name; });
+  const auto found = std::ranges::find_if(all, [&](const auto* kind) { return kind->name() == name; });
   if (found == all.end()) {
     std::vector<std::string> names;
     for (const auto* kind : all) names.push_back(kind->name());

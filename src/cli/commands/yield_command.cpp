@@ -31,7 +31,7 @@ namespace {
 /// What a design's response is multiplied with to be that of a loop.
 struct LoopPlant {
   std::vector<Hertz> grid;
-  std::vector<std::complex<double>> response;
+  std::vector<Complex> response;
 };
 
 std::vector<Complex> complex_response(const ResponseSource& source, const std::vector<Hertz>& grid) {
@@ -314,10 +314,9 @@ std::vector<tolerance::Result> run_designs(const CommandLine& line,
 
 /// The design whose worst error in 95 of 100 circuits is smallest.
 const tolerance::Result& best_design(const std::vector<tolerance::Result>& results) {
-  return *std::min_element(results.begin(), results.end(),
-                           [](const tolerance::Result& a, const tolerance::Result& b) {
-                             return a.worst_db.quantile(0.95) < b.worst_db.quantile(0.95);
-                           });
+  return *std::ranges::min_element(results, [](const tolerance::Result& a, const tolerance::Result& b) {
+    return a.worst_db.quantile(0.95) < b.worst_db.quantile(0.95);
+  });
 }
 
 }  // namespace

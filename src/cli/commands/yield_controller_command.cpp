@@ -38,7 +38,7 @@ std::vector<Hertz> yield_tracked(const CommandLine& line, const Disturbance& dis
   std::vector<Hertz> out = line.analog_frequencies("track");
   if (out.empty()) out = disturbance.rate.frequency;
   if (out.empty()) out = {Hertz{1.0}, Hertz{10.0}, Hertz{100.0}};
-  std::sort(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+  std::ranges::sort(out, {}, &Hertz::value);
   return out;
 }
 

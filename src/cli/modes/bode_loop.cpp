@@ -203,7 +203,7 @@ void add_loop_options(CommandLine& line) {
 ResponseSource series_of(const std::vector<ResponseSource>& sources) {
   ResponseSource out;
   out.stem = "series";
-  out.quick = std::all_of(sources.begin(), sources.end(), [](const ResponseSource& s) { return s.quick; });
+  out.quick = std::ranges::all_of(sources, [](const ResponseSource& s) { return s.quick; });
   std::vector<Sections> parts;
   for (const ResponseSource& source : sources) {
     if (source.sections) parts.push_back(*source.sections);

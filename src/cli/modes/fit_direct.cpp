@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <complex>
 #include <string>
 #include <vector>
 
@@ -16,16 +15,16 @@
 namespace bodesmith::cli {
 namespace {
 
-std::string root_text(const std::complex<double>& root) {
+std::string root_text(const Complex& root) {
   if (root.imag() == 0.0) return " " + engineering_text(RadPerSecond{-root.real()}.hz().value, "Hz", 4);
   return fmt::format(" {} (damping {})", engineering_text(RadPerSecond{std::abs(root)}.hz().value, "Hz", 4),
                      rounded_text(-root.real() / std::abs(root), 3));
 }
 
-std::string roots_text(const char* name, const std::vector<std::complex<double>>& roots) {
+std::string roots_text(const char* name, const std::vector<Complex>& roots) {
   std::string text = fmt::format(" {}", name);
   if (roots.empty()) return fmt::format(" no {}", name);
-  for (const std::complex<double>& root : roots) {
+  for (const Complex& root : roots) {
     if (root.imag() >= 0.0) text += root_text(root);
   }
   return text;

@@ -73,7 +73,7 @@ Figure over_time(const SimulatedRun& run) {
 
 Series lines_of(const std::string& name, const Spectrum& spectrum, bool marks) {
   // What is only rounding would stretch the axis down to nothing.
-  const double floor = 1e-8 * *std::max_element(spectrum.amplitude.begin(), spectrum.amplitude.end());
+  const double floor = 1e-8 * *std::ranges::max_element(spectrum.amplitude);
   Series out{name, {}, {}};
   if (marks) out.style = Series::Style::marks;
   for (std::size_t k = 1; k < spectrum.frequency.size(); ++k) {
@@ -157,8 +157,7 @@ std::string picture_of(const std::vector<simulate::SweepRow>& rows, const std::s
   Figure shapes{{plot("Loops", {"input"}, {"y"})}, "The last period of each run."};
   std::vector<double> amplitudes;
   for (const auto& row : rows) {
-    if (std::find(amplitudes.begin(), amplitudes.end(), row.amplitude) == amplitudes.end())
-      amplitudes.push_back(row.amplitude);
+    if (std::ranges::find(amplitudes, row.amplitude) == amplitudes.end()) amplitudes.push_back(row.amplitude);
   }
   for (const double amplitude : amplitudes) {
     const std::string name = amplitudes.size() > 1 ? "amplitude " + rounded_text(amplitude) : "";

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <complex>
 #include <functional>
 #include <string>
 
@@ -18,11 +17,11 @@ namespace bodesmith::exchange {
 namespace {
 
 /// How a language writes a complex number: "1.0-2.0j", "complex(1.0,-2.0)".
-using ComplexText = std::function<std::string(const std::complex<double>&)>;
+using ComplexText = std::function<std::string(const Complex&)>;
 
-std::string root_list(const std::vector<std::complex<double>>& roots, const ComplexText& text) {
+std::string root_list(const std::vector<Complex>& roots, const ComplexText& text) {
   std::vector<std::string> out;
-  for (const std::complex<double>& root : roots) out.push_back(text(root));
+  for (const Complex& root : roots) out.push_back(text(root));
   return join(out, ", ");
 }
 
@@ -74,7 +73,7 @@ Json plan_script_data(const Exportable& from, const ComplexText& text) {
   for (const SampledBlock& block : network.blocks) {
     Json inputs = Json::array();
     for (const SampledBlock::Input& input : block.inputs) {
-      const auto at = std::find(names.begin(), names.end(), input.from) - names.begin();
+      const auto at = std::ranges::find(names, input.from) - names.begin();
       inputs.push_back(
           {{"from", input.from}, {"place", std::to_string(at)}, {"numerator", number_list(input.numerator)}});
     }
@@ -84,7 +83,7 @@ Json plan_script_data(const Exportable& from, const ComplexText& text) {
                               {"inputs", std::move(inputs)}});
     names.push_back(block.name);
   }
-  data["place"] = std::to_string(std::find(names.begin(), names.end(), network.output) - names.begin());
+  data["place"] = std::to_string(std::ranges::find(names, network.output) - names.begin());
   return data;
 }
 
@@ -108,7 +107,7 @@ Json script_data(const Exportable& from, const Sections& sections, const Complex
   if (!(band.to.value > 0.0)) band = {Hertz{1.0}, Hertz{1.0}};
   band = {Hertz{0.3 * band.from.value}, Hertz{3.0 * band.to.value}};
   for (const Hertz f : log_grid(band, 7)) {
-    const std::complex<double> s(0.0, f.rad_s().value);
+    const Complex s(0.0, f.rad_s().value);
     data["checks"].push_back(
         {{"frequency_hz", number_text(f.value)}, {"response", text(sections.response(s))}});
   }
@@ -119,7 +118,7 @@ Json script_data(const Exportable& from, const Sections& sections, const Complex
 class ScriptWriter : public Writer {
  protected:
   Written script(const Exportable& from, const std::string& said) const {
-    const auto text = [](const std::complex<double>& c) {
+    const auto text = [](const Complex& c) {
       if (c.imag() == 0.0) return number_text(c.real());
       return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
     };

@@ -30,8 +30,7 @@ constexpr double kLoadModelError = 0.02;
 
 bool is_driven(const CircuitBoard& board, const std::string& node) {
   const auto& opamps = board.circuit().opamps;
-  return std::any_of(opamps.begin(), opamps.end(),
-                     [&](const schematic::OpAmp& one) { return one.out == node; });
+  return std::ranges::any_of(opamps, [&](const schematic::OpAmp& one) { return one.out == node; });
 }
 
 /// One at every node of the board, the output among them.

@@ -51,11 +51,10 @@ class MissingGround : public FaultKind {
     std::vector<std::string> out = {opamp.out};
     for (const schematic::Part& part : circuit.parts) {
       for (const std::string& node : {part.from, part.to}) {
-        const bool drives =
-            node == "in" || std::any_of(circuit.opamps.begin(), circuit.opamps.end(), [&](const auto& other) {
-              return other.out == node && other.group != opamp.group;
-            });
-        if (part.group == opamp.group && drives && std::find(out.begin(), out.end(), node) == out.end())
+        const bool drives = node == "in" || std::ranges::any_of(circuit.opamps, [&](const auto& other) {
+                              return other.out == node && other.group != opamp.group;
+                            });
+        if (part.group == opamp.group && drives && std::ranges::find(out, node) == out.end())
           out.push_back(node);
       }
     }

@@ -109,7 +109,7 @@ class BandTrials {
   Trial best_with_one_more(const InnerEnds& inner) const {
     Trial best;
     for (std::size_t i = 0; i < candidates(); ++i) {
-      if (std::find(inner.begin(), inner.end(), i) != inner.end()) continue;
+      if (std::ranges::find(inner, i) != inner.end()) continue;
       InnerEnds more = inner;
       more.insert(std::upper_bound(more.begin(), more.end(), i), i);
       Trial trial = evaluate(more);

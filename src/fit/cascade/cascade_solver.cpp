@@ -252,7 +252,7 @@ void keep_measured(std::vector<std::vector<double>>& sensitivity, const std::vec
     std::vector<double> kept;
     for (std::size_t j = 0; j < fitted.size(); ++j) {
       const auto measured = [&](const BodePoint& p) { return p.frequency == fitted[j].frequency; };
-      if (std::any_of(above.begin(), above.end(), measured)) kept.push_back(row[j]);
+      if (std::ranges::any_of(above, measured)) kept.push_back(row[j]);
     }
     row = std::move(kept);
   }
@@ -347,8 +347,8 @@ CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& option
   out.fewest_bands = options.fewest_bands_db.has_value();
   out.limit_met = solved.limit_met;
   if (out.bounded) {
-    out.lower_bound = *std::min_element(solution.lower.begin(), solution.lower.end());
-    out.upper_bound = *std::max_element(solution.upper.begin(), solution.upper.end());
+    out.lower_bound = *std::ranges::min_element(solution.lower);
+    out.upper_bound = *std::ranges::max_element(solution.upper);
   }
   out.optimality_residual = solution.optimality_residual;
   out.condition_number = condition_number(solution.matrix);

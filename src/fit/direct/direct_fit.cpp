@@ -234,8 +234,8 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
     if (!screen) {
       if (!options.deadline.passed()) finish_starts(problem, model, options.least_squares, refined);
     } else {
-      std::stable_sort(refined.begin(), refined.end(),
-                       [](const Followed& a, const Followed& b) { return a.result.value < b.result.value; });
+      std::ranges::stable_sort(
+          refined, [](const Followed& a, const Followed& b) { return a.result.value < b.result.value; });
       refined.resize(effort.finished);
       parallel_for(refined.size(), thread_count(0), [&](std::size_t i) {
         SearchResult& one = refined[i].result;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <optional>
 
 #include "base/progress.hpp"
@@ -18,7 +17,7 @@ using Eigen::VectorXd;
 double max_weighted_error_db(const RootModel::Roots& roots, const CurveTarget& target) {
   double worst = 0.0;
   for (std::size_t i = 0; i < target.frequency.size(); ++i) {
-    const std::complex<double> s(0.0, target.frequency[i].value);
+    const Complex s(0.0, target.frequency[i].value);
     double log_gain = std::log(roots.gain);
     for (const auto& z : roots.zeros) log_gain += std::log(std::abs(s - z));
     for (const auto& p : roots.poles) log_gain -= std::log(std::abs(s - p));
@@ -28,7 +27,7 @@ double max_weighted_error_db(const RootModel::Roots& roots, const CurveTarget& t
 }
 
 /// A real zero and a real pole, or the upper ones of two pairs, within a hundredth of each other.
-bool nearly_cancel(std::complex<double> zero, std::complex<double> pole) {
+bool nearly_cancel(Complex zero, Complex pole) {
   if (zero.imag() < 0.0 || pole.imag() < 0.0 || (zero.imag() == 0.0) != (pole.imag() == 0.0)) return false;
   return std::abs(zero - pole) <= 1e-2 * std::abs(pole);
 }
@@ -63,9 +62,9 @@ double allowed_error_db(const RootModel::Roots& roots, const CurveTarget& target
 /// The roots without the highest zero (or pair), its gain at low frequencies kept.
 RootModel::Roots without_highest_zero(RootModel::Roots roots) {
   const auto magnitude = [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); };
-  for (int count = std::max_element(roots.zeros.begin(), roots.zeros.end(), magnitude)->imag() == 0.0 ? 1 : 2;
-       count > 0; --count) {
-    const auto highest = std::max_element(roots.zeros.begin(), roots.zeros.end(), magnitude);
+  for (int count = std::ranges::max_element(roots.zeros, magnitude)->imag() == 0.0 ? 1 : 2; count > 0;
+       --count) {
+    const auto highest = std::ranges::max_element(roots.zeros, magnitude);
     roots.gain *= std::abs(*highest);
     roots.zeros.erase(highest);
   }
@@ -96,8 +95,7 @@ int drop_distant_zeros(RootModel::Roots& roots, const CurveTarget& target, doubl
   const std::size_t before = roots.zeros.size();
   while (!roots.zeros.empty()) {
     RootModel::Roots fewer = without_highest_zero(roots);
-    const bool distant =
-        std::any_of(roots.zeros.begin(), roots.zeros.end(), [&](auto z) { return std::abs(z) > highest; });
+    const bool distant = std::ranges::any_of(roots.zeros, [&](auto z) { return std::abs(z) > highest; });
     if (!distant || max_weighted_error_db(fewer, target) > allowed_db) break;
     roots = std::move(fewer);
   }
@@ -189,8 +187,7 @@ void GroupMoves::screen_moves(const SearchResult& from, bool pairs, std::vector<
 }
 
 SearchResult GroupMoves::refine(std::vector<SearchResult> found, SearchResult best) const {
-  std::stable_sort(found.begin(), found.end(),
-                   [](const SearchResult& a, const SearchResult& b) { return a.value < b.value; });
+  std::ranges::stable_sort(found, {}, &SearchResult::value);
   double last = -1.0;
   std::size_t refined = 0;
   for (const SearchResult& start : found) {

@@ -84,7 +84,7 @@ void MagnitudeSquare::solve(Barycentric& r, const VectorXd& row_weight) const {
   MatrixXd rows(x_.size(), 2 * n);
   for (Index i = 0; i < x_.size(); ++i) {
     const double scale = row_weight(i) / f_(i);
-    const auto own = std::find(r.support.begin(), r.support.end(), i);
+    const auto own = std::ranges::find(r.support, i);
     for (Index j = 0; j < n; ++j) {
       double part = scale;
       if (own != r.support.end()) {
@@ -155,8 +155,8 @@ std::vector<Complex> roots_in_square(const VectorXd& z, const VectorXd& beta) {
   const Eigen::VectorXcd values = eigenvalues(m);
   if (values.size() != n) return {};
   std::vector<Complex> out(values.begin(), values.end());
-  out.erase(std::min_element(out.begin(), out.end(),
-                             [](const Complex& a, const Complex& b) { return std::abs(a) < std::abs(b); }));
+  out.erase(std::ranges::min_element(
+      out, [](const Complex& a, const Complex& b) { return std::abs(a) < std::abs(b); }));
   return out;
 }
 
@@ -179,7 +179,7 @@ LeftRoots left_roots(const std::vector<Complex>& x, double reference, double min
       (root.real() <= 0.0 ? out.real : on_axis).push_back(w0);
     }
   }
-  std::sort(on_axis.begin(), on_axis.end());
+  std::ranges::sort(on_axis);
   while (on_axis.size() >= 2) {
     const double last = on_axis.back();
     on_axis.pop_back();
@@ -199,7 +199,7 @@ bool take_kinds(LeftRoots& roots, std::size_t reals, std::size_t pairs) {
     roots.real.push_back(w0 - spread);
     roots.real.push_back(w0 + spread);
   }
-  std::sort(roots.real.begin(), roots.real.end());
+  std::ranges::sort(roots.real);
   while (roots.real.size() >= reals + 2) {
     const double b = roots.real.back();
     roots.real.pop_back();
@@ -226,7 +226,7 @@ double alternating_level(const std::vector<double>& errors, std::size_t count) {
   const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
   // Leave out the smallest: alone at an end, with its smaller neighbour inside, where the signs must go on alternating.
   while (peaks.size() > count) {
-    const auto least = std::min_element(peaks.begin(), peaks.end(), smaller);
+    const auto least = std::ranges::min_element(peaks, smaller);
     if (least == peaks.begin() || least + 1 == peaks.end()) {
       peaks.erase(least);
     } else if (peaks.size() == count + 1) {
@@ -238,7 +238,7 @@ double alternating_level(const std::vector<double>& errors, std::size_t count) {
     }
   }
   if (peaks.size() < count || peaks.empty()) return 0.0;
-  return std::abs(*std::min_element(peaks.begin(), peaks.end(), smaller));
+  return std::abs(*std::ranges::min_element(peaks, smaller));
 }
 
 double alternation_bound(const RootModel& model, const CurveTarget& target, const Eigen::VectorXd& theta) {
@@ -259,8 +259,7 @@ std::optional<VectorXd> rational_start(const RootModel& model, const CurveTarget
   std::vector<Complex> zeros = roots_in_square(z, r.alpha);
   const std::vector<Complex> poles = roots_in_square(z, r.beta);
   // Fewer zeros than poles: those farthest out go.
-  std::sort(zeros.begin(), zeros.end(),
-            [](const Complex& a, const Complex& b) { return std::abs(a) < std::abs(b); });
+  std::ranges::sort(zeros, [](const Complex& a, const Complex& b) { return std::abs(a) < std::abs(b); });
   const auto wanted = static_cast<std::size_t>(model.zeros());
   if (zeros.size() < wanted || std::ssize(poles) != model.poles()) return std::nullopt;
   if (wanted > 0 && wanted < zeros.size() && zeros[wanted - 1].imag() != 0.0 &&

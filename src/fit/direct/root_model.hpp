@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
 #include <limits>
 #include <vector>
 
@@ -30,13 +29,13 @@ struct RootModel {
   Eigen::Index first_pole_pair() const { return first_real_pole() + real_poles; }
 
   /// ln H(jw), the imaginary part unwrapped, and (unless null) its derivatives by theta.
-  std::complex<double> log_response(const Eigen::VectorXd& theta, RadPerSecond w,
-                                    Eigen::RowVectorXcd* slope = nullptr) const;
+  Complex log_response(const Eigen::VectorXd& theta, RadPerSecond w,
+                       Eigen::RowVectorXcd* slope = nullptr) const;
 
   struct Roots {
     double gain = 1.0;  ///< H = gain * prod(s - z)/prod(s - p)
-    std::vector<std::complex<double>> zeros;
-    std::vector<std::complex<double>> poles;
+    std::vector<Complex> zeros;
+    std::vector<Complex> poles;
   };
   Roots roots(const Eigen::VectorXd& theta) const;
 };
@@ -48,7 +47,7 @@ class RootResponse {
   RootResponse(const RootModel& model, const Eigen::VectorXd& theta);
   /// As RootModel::log_response. Without `phase` the imaginary part is left 0 (and its derivatives too when
   /// `slope` is taken for magnitudes only): no arctangents.
-  std::complex<double> at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const;
+  Complex at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const;
   /// H(jw) itself as a product, and (unless null; as many columns as there are numbers) the derivatives of ln H, at many
   /// frequencies: no logarithm, no arctangent.
   void values(const std::vector<RadPerSecond>& w, Eigen::VectorXcd& h, Eigen::MatrixXcd* slope) const;
@@ -64,11 +63,11 @@ class RootResponse {
     double damping;           ///< 2 zeta w0 of a pair
     double reference_square;  ///< |value at the reference|^2
     double reference_scale;   ///< 1/|value at the reference|
-    std::complex<double> reference_slope[2];
+    Complex reference_slope[2];
 
-    std::complex<double> value(RadPerSecond w) const;
+    Complex value(RadPerSecond w) const;
     /// d ln value by this root's parameters, from column `place` on; the place behind them.
-    Eigen::Index add_slope(RadPerSecond w, std::complex<double> value, Eigen::Index place,
+    Eigen::Index add_slope(RadPerSecond w, Complex value, Eigen::Index place,
                            Eigen::RowVectorXcd& slope) const;
   };
   double log_gain_;

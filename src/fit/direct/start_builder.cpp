@@ -28,8 +28,8 @@ VectorXd theta_of(const RootModel& model, Corners corners, const std::vector<dou
   theta(0) = log_gain;
   Index at = 1;
   std::size_t damping = 0;
-  std::sort(corners.zeros.begin(), corners.zeros.end());
-  std::sort(corners.poles.begin(), corners.poles.end());
+  std::ranges::sort(corners.zeros);
+  std::ranges::sort(corners.poles);
   for (const bool zero : {true, false}) {
     const auto& list = zero ? corners.zeros : corners.poles;
     const auto reals = static_cast<std::size_t>(zero ? model.real_zeros : model.real_poles);
@@ -74,12 +74,11 @@ VectorXd grown_theta(const VectorXd& smaller, const RootModel& old, const RootMo
 
 /// Best first, the like ones once.
 void keep_best(std::vector<SearchResult>& found, int max_kept) {
-  std::stable_sort(found.begin(), found.end(),
-                   [](const SearchResult& a, const SearchResult& b) { return a.value < b.value; });
+  std::ranges::stable_sort(found, {}, &SearchResult::value);
   std::vector<SearchResult> kept;
   for (SearchResult& result : found) {
     if (!std::isfinite(result.value)) continue;
-    const bool known = std::any_of(kept.begin(), kept.end(), [&](const SearchResult& k) {
+    const bool known = std::ranges::any_of(kept, [&](const SearchResult& k) {
       return result.value < 1.002 * k.value && result.value > 0.998 * k.value;
     });
     if (!known) kept.push_back(std::move(result));

@@ -26,7 +26,7 @@ std::vector<double> neighbour_variances(const FrequencyRecord& record) {
     const double low = std::log(record.frequency[i - 1].value);
     const double high = std::log(record.frequency[i + 1].value);
     const double t = (std::log(record.frequency[i].value) - low) / (high - low);
-    const std::complex<double> line = (1.0 - t) * record.response[i - 1] + t * record.response[i + 1];
+    const Complex line = (1.0 - t) * record.response[i - 1] + t * record.response[i + 1];
     out.push_back(std::norm(record.response[i] - line) / (1.0 + (1.0 - t) * (1.0 - t) + t * t));
   }
   return out;
@@ -40,12 +40,11 @@ std::size_t half_window(std::size_t count) {
 struct TwoPartNoise {
   double floor = 0.0;
   double share = 0.0;
-  double variance(std::complex<double> h) const { return floor + share * std::norm(h); }
+  double variance(Complex h) const { return floor + share * std::norm(h); }
 };
 
 /// By reweighted least squares of |error|^2 on 1 and |H|^2, both parts at least a trace above 0.
-TwoPartNoise two_part_noise(const std::vector<std::complex<double>>& errors,
-                            const std::vector<std::complex<double>>& response) {
+TwoPartNoise two_part_noise(const std::vector<Complex>& errors, const std::vector<Complex>& response) {
   const auto count = static_cast<double>(errors.size());
   double all = 0.0;
   double power = 0.0;
@@ -106,8 +105,8 @@ std::vector<double> noise_from_neighbours(const FrequencyRecord& record) {
 }
 
 /// The same from a model's errors: variance = (a + b |H|^2) c, a and b by least squares, c slowly varying.
-std::vector<double> noise_from_errors(const std::vector<std::complex<double>>& errors,
-                                      const std::vector<std::complex<double>>& response) {
+std::vector<double> noise_from_errors(const std::vector<Complex>& errors,
+                                      const std::vector<Complex>& response) {
   const std::size_t count = errors.size();
   const TwoPartNoise parts = two_part_noise(errors, response);
   const std::size_t half = std::clamp<std::size_t>(count / 12, 20, 400);
@@ -238,11 +237,10 @@ OrderChoice choose_order(const ResponseSamples& all, const MeasuredFitOptions& o
   // Points with noise leave about 1. Far less: the noise is the least that is assumed, of a file that has none, and
   // further poles would follow its rounding.
   constexpr double kNothingLeft = 0.01;
-  const auto chosen =
-      std::find_if(out.orders.begin(), out.orders.end(), [&](const MeasuredFit::Order& order) {
-        if (order.held_out <= kNothingLeft) return true;
-        return order.against_best <= kStandardErrors && order.held_out <= 1.5 * mean(loss[best]);
-      });
+  const auto chosen = std::ranges::find_if(out.orders, [&](const MeasuredFit::Order& order) {
+    if (order.held_out <= kNothingLeft) return true;
+    return order.against_best <= kStandardErrors && order.held_out <= 1.5 * mean(loss[best]);
+  });
   out.order = chosen->order;
   out.model = search.of_order(out.order);
   return out;

@@ -162,8 +162,7 @@ const FactoredResponse& MeasuredSearch::of_order(int order) {
   if (at > 0 && found_[at - 1].cost >= 0.0 && std::abs(found_[at - 1].delay - delay_) > 0.02 / largest_s_) {
     for (const PoleList& start : all) begun.push_back(from_poles(start, found_[at - 1].delay, kRelocations));
   }
-  std::stable_sort(begun.begin(), begun.end(),
-                   [](const FactoredResponse& a, const FactoredResponse& b) { return a.cost < b.cost; });
+  std::ranges::stable_sort(begun, {}, &FactoredResponse::cost);
   FactoredResponse best;
   best.cost = INFINITY;
   const double noise = 2.0 * static_cast<double>(samples_.s.size());

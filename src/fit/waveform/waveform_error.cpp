@@ -12,12 +12,12 @@ namespace bodesmith {
 namespace {
 
 /// 1/2 integral_0^1 (a1 x + a2 x^2 + a3 x^3) e^(-j pi k x) dx: the rising half's share of U_k.
-std::complex<double> half_coefficient(const std::array<double, 3>& a, std::size_t k) {
+Complex half_coefficient(const std::array<double, 3>& a, std::size_t k) {
   if (k == 0) return 0.5 * (a[0] / 2.0 + a[1] / 3.0 + a[2] / 4.0);
-  const std::complex<double> j_theta(0.0, std::numbers::pi * static_cast<double>(k));
+  const Complex j_theta(0.0, std::numbers::pi * static_cast<double>(k));
   const double end = k % 2 == 0 ? 1.0 : -1.0;  // e^(-j pi k)
-  std::complex<double> moment = (1.0 - end) / j_theta;
-  std::complex<double> sum = 0.0;
+  Complex moment = (1.0 - end) / j_theta;
+  Complex sum = 0.0;
   for (std::size_t m = 1; m <= 3; ++m) {
     moment = (static_cast<double>(m) * moment - end) / j_theta;  // by parts
     sum += a[m - 1] * moment;

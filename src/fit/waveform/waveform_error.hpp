@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <string_view>
 #include <vector>
@@ -21,7 +20,7 @@ std::string_view to_string(DrivenPath path);
 /// The disturbance polynomials under a triangle x(t), 0 to 1 in the first half of the period and back in the
 /// second, without gain tables: exact Fourier coefficients U_k = integral_0^1 u e^(-2 pi j k phase) d phase.
 struct TriangleSeries {
-  std::vector<std::complex<double>> coefficient;  ///< k = 0 ... harmonics; U_(-k) is the conjugate
+  std::vector<Complex> coefficient;  ///< k = 0 ... harmonics; U_(-k) is the conjugate
   Disturbance disturbance;
   DrivenPath path = DrivenPath::whole;
 
@@ -34,7 +33,7 @@ struct TriangleSeries {
 TriangleSeries triangle_series(const Disturbance& disturbance, DrivenPath path, std::size_t harmonics);
 
 /// G(jw) of anything linear: a cascade, sections, a realised chain.
-using FrequencyResponse = std::function<std::complex<double>(RadPerSecond)>;
+using FrequencyResponse = std::function<Complex(RadPerSecond)>;
 
 struct WaveformErrorOptions {
   DrivenPath path = DrivenPath::whole;

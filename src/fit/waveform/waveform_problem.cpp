@@ -195,7 +195,7 @@ std::vector<Hertz> checked_operating(const Disturbance& disturbance, std::vector
     throw InputError(
         "the disturbance has no rate gains, expected a 'rate' table (a static disturbance needs no filter)");
   }
-  std::sort(operating.begin(), operating.end());
+  std::ranges::sort(operating);
   return operating;
 }
 

@@ -20,7 +20,7 @@ bool FilterStage::is_vendors() const {
 }
 
 int FilterStage::capacitor_count() const {
-  return static_cast<int>(std::count_if(c.begin(), c.end(), [](double v) { return v > 0.0; }));
+  return static_cast<int>(std::ranges::count_if(c, [](double v) { return v > 0.0; }));
 }
 
 Resources FilterStage::resources() const {
@@ -185,8 +185,8 @@ std::optional<StageSwitches> FilterCam::switches(const PlacedCam& cam, const Cap
   const FilterStage stage = stage_of(cam, units);
   std::vector<std::string> named(stage.c.size());
   for (Named& one : names(cam)) {
-    const bool is_there = std::any_of(cam.capacitors.begin(), cam.capacitors.end(),
-                                      [&](const Capacitor& c) { return c.name == one.name; });
+    const bool is_there =
+        std::ranges::any_of(cam.capacitors, [&](const Capacitor& c) { return c.name == one.name; });
     if (is_there) named[one.at] = std::move(one.name);
   }
   return stage.switches(named, banks());

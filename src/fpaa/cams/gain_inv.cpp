@@ -32,7 +32,7 @@ class GainInv : public Cam {
     for (const Capacitor& c : cam.capacitors) {
       out.push_back(c);
       const std::string second = "a" + c.name;
-      if (std::find(table.begin(), table.end(), second) != table.end()) out.push_back({second, c.units});
+      if (std::ranges::find(table, second) != table.end()) out.push_back({second, c.units});
     }
     return out;
   }

@@ -7,8 +7,8 @@ namespace bodesmith::fpaa {
 namespace {
 
 /// c0 + c1 x + c2 x^2 + ...
-std::complex<double> polynomial(const std::vector<double>& coefficients, std::complex<double> x) {
-  std::complex<double> sum = 0.0;
+Complex polynomial(const std::vector<double>& coefficients, Complex x) {
+  Complex sum = 0.0;
   for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) sum = sum * x + *c;
   return sum;
 }
@@ -21,8 +21,8 @@ double sum(const std::vector<double>& values) {
 
 }  // namespace
 
-std::complex<double> ZTransfer::response(RadPerSecond w, Hertz clock, std::size_t input) const {
-  const std::complex<double> z_inverse = std::polar(1.0, -w.value / clock.value);
+Complex ZTransfer::response(RadPerSecond w, Hertz clock, std::size_t input) const {
+  const Complex z_inverse = std::polar(1.0, -w.value / clock.value);
   return polynomial(numerators.at(input - 1), z_inverse) / polynomial(denominator, z_inverse);
 }
 

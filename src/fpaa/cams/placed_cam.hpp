@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,7 +18,7 @@ struct ZTransfer {
   std::vector<std::vector<double>> numerators{{1.0}};
   std::vector<double> denominator{1.0};
 
-  std::complex<double> response(RadPerSecond w, Hertz clock, std::size_t input = 1) const;
+  Complex response(RadPerSecond w, Hertz clock, std::size_t input = 1) const;
   /// H(1); infinite for an integrator.
   double dc_gain(std::size_t input = 1) const;
 };

@@ -95,7 +95,7 @@ ControllerBranches::ControllerBranches(ControllerVariant& variant, const Disturb
                       : kBranchV;
     made.greatest = greatest_disturbance(disturbance, branch, range_);
     const std::vector<double> gains = rate_gains(disturbance, branch, made.compensated);
-    made.greatest_gain = *std::max_element(gains.begin(), gains.end());
+    made.greatest_gain = *std::ranges::max_element(gains);
     if (out_.by != PolynomialBy::lookup) made.weights = power_weights(branch);
   }
   // As capacitors make it: the branches' own gains then take up the difference.

@@ -60,8 +60,7 @@ std::string power_on_text(const ControllerVariant& variant, const Disturbance& d
 
 Hertz serving_frequency(const std::vector<Hertz>& sets, Hertz operating) {
   const auto distance = [&](Hertz f) { return std::abs(std::log(f.value / operating.value)); };
-  const auto at =
-      std::min_element(sets.begin(), sets.end(), [&](Hertz a, Hertz b) { return distance(a) < distance(b); });
+  const auto at = std::ranges::min_element(sets, [&](Hertz a, Hertz b) { return distance(a) < distance(b); });
   return at == sets.end() ? operating : *at;
 }
 

@@ -70,7 +70,7 @@ std::map<std::string, std::string> pin_signals(const ControllerVariant& variant)
     }
     for (std::size_t i = 0; i < signals.out.size(); ++i) {
       const std::string& name = signals.out[i];
-      if (std::find(outside.begin(), outside.end(), name) != outside.end())
+      if (std::ranges::find(outside, name) != outside.end())
         out[fmt::format("chip{}.out{}", chip, i + 1)] = name == variant.drive ? "v" : name;
     }
   }

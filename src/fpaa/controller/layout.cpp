@@ -227,21 +227,20 @@ class ControllerLayout {
   bool leaves_unheld(const ControllerCam& source) const {
     if (!source.cam->facts().half_cycle_output) return false;
     const auto reads = [&](const std::vector<std::string>& inputs) {
-      return std::find(inputs.begin(), inputs.end(), source.name) != inputs.end();
+      return std::ranges::find(inputs, source.name) != inputs.end();
     };
-    return std::any_of(out_.cams.begin(), out_.cams.end(),
-                       [&](const ControllerCam& c) {
-                         return reads(c.inputs) && !c.cam->facts().takes_half_cycle_anywhere &&
-                                (c.chip != source.chip || c.clock_a != source.clock_a);
-                       }) ||
-           std::any_of(out_.outside.begin(), out_.outside.end(),
-                       [&](const OutsidePart& p) { return reads(p.inputs); });
+    return std::ranges::any_of(out_.cams,
+                               [&](const ControllerCam& c) {
+                                 return reads(c.inputs) && !c.cam->facts().takes_half_cycle_anywhere &&
+                                        (c.chip != source.chip || c.clock_a != source.clock_a);
+                               }) ||
+           std::ranges::any_of(out_.outside, [&](const OutsidePart& p) { return reads(p.inputs); });
   }
 
   /// Puts a Hold behind the first CAM that needs one; false when none does.
   bool add_missing_hold() {
-    const auto source = std::find_if(out_.cams.begin(), out_.cams.end(),
-                                     [&](const ControllerCam& cam) { return leaves_unheld(cam); });
+    const auto source =
+        std::ranges::find_if(out_.cams, [&](const ControllerCam& cam) { return leaves_unheld(cam); });
     if (source == out_.cams.end()) return false;
     const std::string name = source->name;
     const std::string hold = name + "Hold";

@@ -42,7 +42,7 @@ Refusal why_none(const std::vector<ControllerVariant>& variants, const Controlle
   std::vector<std::string> names;
   for (const ControllerVariant& v : variants) {
     if (v.fits() || !may_be_taken(v, options)) continue;
-    if (std::find(reasons.begin(), reasons.end(), v.refusal->reason) != reasons.end()) continue;
+    if (std::ranges::find(reasons, v.refusal->reason) != reasons.end()) continue;
     names.push_back(v.name());
     reasons.push_back(v.refusal->reason);
   }
@@ -109,9 +109,8 @@ std::string ControllerVariant::name() const {
 }
 
 int ControllerVariant::outside_multipliers() const {
-  return static_cast<int>(std::count_if(outside.begin(), outside.end(), [](const OutsidePart& p) {
-    return p.kind == OutsidePart::Kind::multiplier;
-  }));
+  return static_cast<int>(std::ranges::count_if(
+      outside, [](const OutsidePart& p) { return p.kind == OutsidePart::Kind::multiplier; }));
 }
 
 ControllerVariant ControllerVariant::at(const Disturbance& disturbance, Hertz operating) const {

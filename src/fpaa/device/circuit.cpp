@@ -52,7 +52,7 @@ class CircuitReader {
     out_.unexplained.push_back({at, memory_.at(at.bank, at.byte), std::move(what)});
   }
   static void add_new(std::vector<std::string>& lines, std::string text) {
-    if (std::find(lines.begin(), lines.end(), text) == lines.end()) lines.push_back(std::move(text));
+    if (std::ranges::find(lines, text) == lines.end()) lines.push_back(std::move(text));
   }
   void problem(std::string text) { add_new(out_.problems, std::move(text)); }
   void note(std::string text) { add_new(out_.notes, std::move(text)); }
@@ -270,7 +270,7 @@ class CircuitReader {
     for (int bank = kLookupBank; bank < MemoryImage::kBanks; ++bank) {
       for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) bytes.push_back(take({bank, byte}));
     }
-    if (std::all_of(bytes.begin(), bytes.end(), [](int b) { return b == 0; })) return;
+    if (std::ranges::all_of(bytes, [](int b) { return b == 0; })) return;
     out_.lookup_table = std::move(bytes);
     out_.notes.push_back(fmt::format("the look-up table is written: {:02X} at -3 V to {:02X} at 3 V",
                                      out_.lookup_table.front(), out_.lookup_table.back()));

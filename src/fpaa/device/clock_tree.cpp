@@ -60,8 +60,8 @@ std::optional<LegalClock> find_clock(const Board& board, Hertz frequency) {
 }
 
 std::optional<int> common_system_divisor(std::span<const std::int64_t> totals) {
-  const auto at = std::find_if(divisors().begin(), divisors().end(), [&](int system) {
-    return std::all_of(totals.begin(), totals.end(), [&](std::int64_t total) {
+  const auto at = std::ranges::find_if(divisors(), [&](int system) {
+    return std::ranges::all_of(totals, [&](std::int64_t total) {
       return total % system == 0 && total / system <= kLargestDivisor &&
              is_legal_divisor(static_cast<int>(total / system));
     });

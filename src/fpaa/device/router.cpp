@@ -70,7 +70,7 @@ class LineUse {
       const bool loops = !pin.loops.empty() && column == loop_column(pin, cell);
       if (cabs.empty() && !loops) continue;
       const int beside = cab_beside(cell, column);
-      if (!loops && std::all_of(cabs.begin(), cabs.end(), [&](int cab) { return cab == beside; })) {
+      if (!loops && std::ranges::all_of(cabs, [&](int cab) { return cab == beside; })) {
         int& used = direct_lines_[static_cast<std::size_t>(beside - 1)];
         if (used == kLines) return false;
         ++used;
@@ -162,7 +162,7 @@ class CellSearch {
 std::optional<RoutedPins> route_pins(const std::vector<PinNeed>& pins) {
   // Cells that the user chose are not given away to others.
   std::vector<PinNeed> sorted = pins;
-  std::stable_sort(sorted.begin(), sorted.end(), [](const PinNeed& a, const PinNeed& b) {
+  std::ranges::stable_sort(sorted, [](const PinNeed& a, const PinNeed& b) {
     return a.wanted_cell.has_value() && !b.wanted_cell.has_value();
   });
   return CellSearch(sorted).from(0);

@@ -167,8 +167,8 @@ GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vecto
   }
   for (const auto& [branch, name] :
        {std::pair{ascending, "ascending"}, std::pair{descending, "descending"}}) {
-    const bool placed = std::any_of(branches.begin(), branches.end(),
-                                    [b = branch](const GainBranch& one) { return one.branch == b; });
+    const bool placed =
+        std::ranges::any_of(branches, [b = branch](const GainBranch& one) { return one.branch == b; });
     if (!placed && !disturbance.is_static(branch)) {
       throw DesignError(
           fmt::format("{0}: the {1} branch changes with the frequency, expected --{1} with the CAM "

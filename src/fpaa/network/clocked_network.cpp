@@ -17,7 +17,7 @@ std::vector<std::int64_t> switching_instants(const std::vector<std::int64_t>& ti
   for (const std::int64_t clock : ticks) {
     for (std::int64_t t = 0; t < period; t += clock / 2) out.push_back(t);
   }
-  std::sort(out.begin(), out.end());
+  std::ranges::sort(out);
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }

@@ -117,7 +117,7 @@ std::vector<std::vector<PeriodicNetworks::Source>> PeriodicNetworks::parts_of(
         return part.sources[k].kind == Source::Kind::nothing &&
                (*period % part.period == 0 || part.period % *period == 0);
       };
-      auto at = std::find_if(parts.begin(), parts.end(), takes);
+      auto at = std::ranges::find_if(parts, takes);
       if (at == parts.end()) at = parts.insert(at, {own, std::vector<Source>(sources.size())});
       at->period = std::max(at->period, *period);
       at->sources[k] = {Source::Kind::network, from};
@@ -181,9 +181,9 @@ std::optional<std::size_t> PeriodicNetworks::followed_by(const Node& node) const
   if (!out || !may_follow_) return std::nullopt;
   const std::int64_t period = nodes_[*out].period;
   const auto& intervals = node.clocked.intervals();
-  const bool whole = node.clocked.period() % period == 0 &&
-                     std::all_of(intervals.begin(), intervals.end(),
-                                 [&](const auto& interval) { return interval.start % period == 0; });
+  const bool whole =
+      node.clocked.period() % period == 0 &&
+      std::ranges::all_of(intervals, [&](const auto& interval) { return interval.start % period == 0; });
   return whole ? out : std::nullopt;
 }
 
@@ -224,7 +224,7 @@ bool PeriodicNetworks::lay_pieces(Node& node) const {
       for (std::size_t i = 0; i + 1 < from.edges.size(); ++i) node.edges.push_back(t + from.edges[i]);
     }
   }
-  std::sort(node.edges.begin(), node.edges.end());
+  std::ranges::sort(node.edges);
   node.edges.erase(std::unique(node.edges.begin(), node.edges.end()), node.edges.end());
   node.edges.push_back(node.period);
   const std::size_t pieces = node.edges.size() - 1;
@@ -262,7 +262,7 @@ bool PeriodicNetworks::lay_pieces(Node& node) const {
     node.source_piece.push_back(std::move(piece));
     node.source_turn.push_back(std::move(turn));
   }
-  return !node.follows || std::all_of(node.edges.begin(), node.edges.end(), [&](std::int64_t edge) {
+  return !node.follows || std::ranges::all_of(node.edges, [&](std::int64_t edge) {
     return edge % nodes_[*node.follows].period == 0;
   });
 }

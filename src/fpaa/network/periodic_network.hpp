@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -20,10 +19,10 @@ double size_of_turns(double turn, double turns);
 /// the waveform of the node that it follows, of which each piece then takes in whole periods.
 struct SineWaveform {
   const std::vector<std::int64_t>* edges = nullptr;
-  std::vector<std::complex<double>> alpha, beta;
+  std::vector<Complex> alpha, beta;
   std::optional<std::size_t> follows = {};
   std::vector<double> gamma = {};
-  std::complex<double> end = 0.0;  ///< at edges.back()
+  Complex end = 0.0;  ///< at edges.back()
 };
 
 /// Clocked networks one behind the other, none of which reads what depends on it: the board of a plan.
@@ -73,16 +72,16 @@ class PeriodicNetworks {
   double ticks_per_second() const { return ticks_per_second_; }
 
   /// Component of the output at the input's own frequency, for an input of 1.
-  std::complex<double> gain(RadPerSecond w) const;
+  Complex gain(RadPerSecond w) const;
   /// Of one network's op-amp: mean and largest |v| at any instant, for a sine of amplitude 1.
   struct NodeSize {
-    std::complex<double> gain;
+    Complex gain;
     double largest = 0.0;
   };
   /// [network][op-amp].
   std::vector<std::vector<NodeSize>> nodes(RadPerSecond w) const;
   /// The output's components at several frequencies (lines k fc +- f; below 0: the conjugate one above) for one sine.
-  std::vector<std::complex<double>> components(RadPerSecond sine, std::span<const RadPerSecond> lines) const;
+  std::vector<Complex> components(RadPerSecond sine, std::span<const RadPerSecond> lines) const;
 
   /// One-sided noise density at the output, [network]: what each adds, in kT over the unit of capacitance, a hertz. Of networks made
   /// with their noise.
@@ -107,10 +106,10 @@ class PeriodicNetworks {
   };
   /// Inputs of a node, one waveform each on the node's own pieces.
   struct Inputs {
-    std::vector<std::complex<double>> alpha, beta, at_end;  ///< [piece * inputs + input]
-    std::vector<double> gamma;                              ///< likewise; none where nothing is followed
-    std::vector<std::complex<double>> turn_at_end;          ///< exp(j w edge) of each piece's end
-    std::vector<std::complex<double>> followed_at_end;      ///< what is followed, there
+    std::vector<Complex> alpha, beta, at_end;  ///< [piece * inputs + input]
+    std::vector<double> gamma;                 ///< likewise; none where nothing is followed
+    std::vector<Complex> turn_at_end;          ///< exp(j w edge) of each piece's end
+    std::vector<Complex> followed_at_end;      ///< what is followed, there
   };
   class NoisePass;
 
@@ -126,10 +125,9 @@ class PeriodicNetworks {
   static std::vector<SineWaveform> waveforms(const Node& node, const Inputs& in,
                                              std::span<const std::size_t> opamps);
   std::vector<SineWaveform> outputs(double w) const;
-  std::complex<double> mean(const SineWaveform& of, const std::vector<SineWaveform>& known, double w,
-                            double line) const;
+  Complex mean(const SineWaveform& of, const std::vector<SineWaveform>& known, double w, double line) const;
   std::size_t instants_of(const Node& node) const;
-  using AtInstant = std::function<void(std::complex<double> turn, std::complex<double> value)>;
+  using AtInstant = std::function<void(Complex turn, Complex value)>;
   void for_each_instant(const SineWaveform& of, const std::vector<SineWaveform>& known, double w,
                         const AtInstant& at) const;
 

@@ -76,7 +76,7 @@ class NetlistReader {
       ended_ = true;
     } else if (name == ".clock") {
       expect(3, ".clock NAME FREQUENCY");
-      if (std::find(out_.clocks.begin(), out_.clocks.end(), words[1]) != out_.clocks.end())
+      if (std::ranges::find(out_.clocks, words[1]) != out_.clocks.end())
         fail(fmt::format("clock {} is there already, expected one line a clock", words[1]));
       out_.clocks.push_back(words[1]);
       out_.frequencies.push_back({value(words[2], "a frequency in Hz")});
@@ -105,7 +105,7 @@ class NetlistReader {
   void read_switch(const std::vector<std::string>& words) {
     const std::size_t dot = words[3].rfind('.');
     const std::string clock = words[3].substr(0, dot);
-    const auto at = std::find(out_.clocks.begin(), out_.clocks.end(), clock);
+    const auto at = std::ranges::find(out_.clocks, clock);
     const std::string phase = dot == std::string::npos ? "" : words[3].substr(dot + 1);
     if (at == out_.clocks.end() || (phase != "1" && phase != "2"))
       fail(fmt::format("'{}' is no phase of a clock, expected for instance {}.1 after its .clock line",

@@ -21,7 +21,7 @@ class ChipRoom {
   std::optional<int> take(const PlaceNeed& cam) {
     if (tables_ + cam.resources.lookup_tables > board_->lookup_tables_per_chip) return std::nullopt;
     std::vector<std::int64_t> divisors = divisors_;
-    if (cam.divisor && std::find(divisors.begin(), divisors.end(), *cam.divisor) == divisors.end())
+    if (cam.divisor && std::ranges::find(divisors, *cam.divisor) == divisors.end())
       divisors.push_back(*cam.divisor);
     if (divisors.size() > kClocksOfChip || !common_system_divisor(divisors)) return std::nullopt;
     Resources in_cab = cam.resources;
@@ -48,7 +48,7 @@ class ChipRoom {
 };
 
 void add_once(std::vector<std::string>& names, const std::string& name) {
-  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  if (std::ranges::find(names, name) == names.end()) names.push_back(name);
 }
 
 bool same_clock(Hertz a, Hertz b) {
@@ -59,7 +59,7 @@ bool same_clock(Hertz a, Hertz b) {
 std::vector<Hertz> chip_clocks(const std::vector<WiredCam>& cams, int chip) {
   std::vector<Hertz> out;
   const auto add = [&](Hertz f) {
-    if (std::none_of(out.begin(), out.end(), [&](Hertz g) { return same_clock(f, g); })) out.push_back(f);
+    if (std::ranges::none_of(out, [&](Hertz g) { return same_clock(f, g); })) out.push_back(f);
   };
   bool converter = false;
   for (const WiredCam& cam : cams) {
@@ -70,7 +70,7 @@ std::vector<Hertz> chip_clocks(const std::vector<WiredCam>& cams, int chip) {
       converter = true;
     }
   }
-  std::sort(out.begin(), out.end(), [](Hertz f, Hertz g) { return f.value > g.value; });
+  std::ranges::sort(out, std::ranges::greater(), &Hertz::value);
   // Converters: the two clocks once more as Clock 2 and 3, which public streams give them.
   if (converter && out.size() == 2) out = {out[0], out[1], out[0], out[1]};
   return out;
@@ -99,7 +99,7 @@ ClockPlan clock_plan(const std::vector<Hertz>& clocks, const Board& board) {
 
 /// "chip1.in2" for the second of the signals that enter chip 1.
 std::string pin(int chip, const char* kind, const std::vector<std::string>& names, const std::string& name) {
-  const auto at = std::find(names.begin(), names.end(), name) - names.begin();
+  const auto at = std::ranges::find(names, name) - names.begin();
   return fmt::format("chip{}.{}{}", chip, kind, at + 1);
 }
 
@@ -122,7 +122,7 @@ std::vector<Wire> wires_of(const std::vector<WiredCam>& cams, const std::vector<
                      own, static_cast<int>(i) + 1});
     }
     const std::vector<std::string>& leaving = of(cam.chip).out;
-    if (std::find(leaving.begin(), leaving.end(), cam.name) != leaving.end())
+    if (std::ranges::find(leaving, cam.name) != leaving.end())
       out.push_back({own, pin(cam.chip, "out", leaving, cam.name)});
   }
   std::map<std::string, std::string> entered;  // from outside: by which pin
@@ -153,7 +153,7 @@ Outcome<std::vector<Place>> place(const std::vector<PlaceNeed>& cams, const Boar
     for (std::size_t i = 0; i < rooms.size(); ++i) {
       const std::size_t chip = (present + i) % rooms.size();
       ChipRoom trial = rooms[chip];
-      const bool fits = std::all_of(which.begin(), which.end(), [&](std::size_t cam) {
+      const bool fits = std::ranges::all_of(which, [&](std::size_t cam) {
         const std::optional<int> cab = trial.take(cams[cam]);
         out[cam] = {static_cast<int>(chip) + 1, cab.value_or(0)};
         return cab.has_value();

@@ -49,7 +49,7 @@ std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
       }
     }
   }
-  std::sort(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+  std::ranges::sort(out, {}, &Hertz::value);
   out.erase(std::unique(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value == b.value; }),
             out.end());
   return out;
@@ -63,8 +63,8 @@ std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, double sin
     const auto add = [&](double k) {
       const double line = k * clock + sine_hz;
       const bool within = std::abs(line) >= band.from.value && std::abs(line) <= band.to.value;
-      const bool known = std::any_of(out.begin(), out.end(),
-                                     [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
+      const bool known =
+          std::ranges::any_of(out, [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
       if (within && !known) out.push_back(line);
     };
     for (int k = -kFirstMultiples; k <= kFirstMultiples; ++k) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <span>
 #include <vector>
 
@@ -13,7 +12,7 @@ namespace bodesmith::fpaa {
 /// A pole of a CAM and the clock that the CAM samples with.
 struct ClockedPole {
   Hertz clock;
-  std::complex<double> pole_hz;  ///< s/(2 pi): real part its width, imaginary part its frequency
+  Complex pole_hz;  ///< s/(2 pi): real part its width, imaginary part its frequency
 };
 std::vector<ClockedPole> clocked_poles(const Plan& plan);
 

@@ -81,7 +81,7 @@ std::vector<DrawnBoard::Share> DrawnBoard::variance_shares(const MismatchModel& 
   std::vector<Share> out;
   for (std::size_t c = 0; c < units.size() && largest > 0.0; ++c)
     out.push_back({names()[c], variance(c, loudest) / largest});
-  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.share > b.share; });
+  std::ranges::stable_sort(out, [](const auto& a, const auto& b) { return a.share > b.share; });
   return out;
 }
 

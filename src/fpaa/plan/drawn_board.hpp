@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -34,15 +33,15 @@ class DrawnBoard {
   const std::vector<std::string>& names() const { return board_.names(); }
 
   /// From the input pin to the output pin, at the grid.
-  std::vector<std::complex<double>> response(std::span<const double> units) const;
+  std::vector<Complex> response(std::span<const double> units) const;
   /// d ln H / d ln C of every capacitor: [capacitor][frequency].
-  std::vector<std::vector<std::complex<double>>> sensitivities(std::span<const double> units) const;
+  std::vector<std::vector<Complex>> sensitivities(std::span<const double> units) const;
   const PlanGraph& graph() const { return board_.graph(); }
   /// The capacitors of one board.
   std::vector<double> drawn(const MismatchModel& mismatch, Random& random) const;
   /// Of so many boards, [board][frequency].
-  std::vector<std::vector<std::complex<double>>> drawn_responses(const MismatchModel& mismatch, int draws,
-                                                                 std::uint64_t seed) const;
+  std::vector<std::vector<Complex>> drawn_responses(const MismatchModel& mismatch, int draws,
+                                                    std::uint64_t seed) const;
   /// Where the first-order variance of the response is largest over the grid, each capacitor's share of it, largest first.
   struct Share {
     std::string capacitor;

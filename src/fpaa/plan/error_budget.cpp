@@ -61,7 +61,7 @@ std::vector<Hertz> whole_noise_grid(const Plan& plan, Band band, int points) {
   std::vector<Hertz> out{{0.0}};
   for (const Hertz f : log_grid({{from}, {top}}, points)) out.push_back(f);
   for (int k = 1; k < points; ++k) out.push_back({top * k / points});
-  std::sort(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+  std::ranges::sort(out, {}, &Hertz::value);
   return out;
 }
 

@@ -11,7 +11,7 @@ constexpr double kFar = 30.0;  ///< outside a stated band
 }  // namespace
 
 double error_reference(const Sections& sections, RadPerSecond w) {
-  const std::complex<double> s(0.0, w.value);
+  const Complex s(0.0, w.value);
   double out = std::abs(sections.gain);
   for (const Section& section : sections.sections) {
     out *= std::abs(section.gain);
@@ -24,7 +24,7 @@ double error_reference(const Sections& sections, RadPerSecond w) {
 }
 
 bool beside_a_zero(const Sections& sections, RadPerSecond w) {
-  const std::complex<double> s(0.0, w.value);
+  const Complex s(0.0, w.value);
   for (const Section& section : sections.sections) {
     for (const auto& zero : section.zeros) {
       if (std::abs(s - zero) < kLeastZeroDamping * std::abs(zero)) return true;
@@ -70,7 +70,7 @@ std::vector<Hertz> about_sharp_roots(const Sections& sections, Band band) {
   std::vector<Hertz> out;
   for (const Section& section : sections.sections) {
     for (const auto* roots : {&section.zeros, &section.poles}) {
-      for (const std::complex<double>& root : *roots) {
+      for (const Complex& root : *roots) {
         const double size = std::abs(root);
         const double damping = std::max(std::abs(root.real()) / size, kLeastZeroDamping);
         if (root.imag() <= 0.0 || damping > kSharp) continue;

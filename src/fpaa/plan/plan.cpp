@@ -34,8 +34,7 @@ int Plan::opamps() const {
 
 std::string Plan::input_pin() const {
   for (const Wire& wire : wires) {
-    const bool fed =
-        std::any_of(wires.begin(), wires.end(), [&](const Wire& other) { return other.to == wire.from; });
+    const bool fed = std::ranges::any_of(wires, [&](const Wire& other) { return other.to == wire.from; });
     if (!fed && WireEnd(wire.from).is_input_pin()) return wire.from;
   }
   return {};
@@ -43,8 +42,7 @@ std::string Plan::input_pin() const {
 
 std::string Plan::output_pin() const {
   for (const Wire& wire : wires) {
-    const bool read =
-        std::any_of(wires.begin(), wires.end(), [&](const Wire& other) { return other.from == wire.to; });
+    const bool read = std::ranges::any_of(wires, [&](const Wire& other) { return other.from == wire.to; });
     if (!read && WireEnd(wire.to).is_output_pin()) return wire.to;
   }
   return {};

@@ -117,7 +117,7 @@ class GraphBuilder {
 
   bool is_ready(std::size_t i, const std::vector<bool>& done, bool late) const {
     const PlanGraph::PlanNode& node = out_.nodes[i];
-    return std::all_of(node.inputs.begin(), node.inputs.end(), [&](const PlanGraph::Input& input) {
+    return std::ranges::all_of(node.inputs, [&](const PlanGraph::Input& input) {
       return !input.from.node || done[*input.from.node] || (late && !at_once(node, input));
     });
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <optional>
 #include <vector>
 
@@ -23,7 +22,7 @@ class StepPeaks {
  public:
   explicit StepPeaks(const std::vector<Hertz>& grid);
   /// The largest |y(t)| of a node whose H on the grid is given.
-  double largest(const std::vector<std::complex<double>>& node) const;
+  double largest(const std::vector<Complex>& node) const;
 
  private:
   std::size_t count_;

@@ -47,14 +47,14 @@ Hertz SwitchedBoard::fastest_clock() const {
   return out;
 }
 
-std::complex<double> SwitchedBoard::sampled(RadPerSecond w) const {
+Complex SwitchedBoard::sampled(RadPerSecond w) const {
   if (!graph_.output) return 0.0;
   if (!graph_.output->node) return 1.0;
-  std::vector<std::complex<double>> out(graph_.nodes.size(), 0.0);
+  std::vector<Complex> out(graph_.nodes.size(), 0.0);
   for (const std::size_t i : graph_.order) {
     const PlanGraph::PlanNode& node = graph_.nodes[i];
     for (const PlanGraph::Input& input : node.inputs) {
-      const std::complex<double> source = input.from.node ? out[*input.from.node] : 1.0;
+      const Complex source = input.from.node ? out[*input.from.node] : 1.0;
       out[i] += node.cam->z.response(w, node.cam->clock_a, input.number) * source;
     }
   }
@@ -90,7 +90,7 @@ std::vector<double> SwitchedBoard::noise_density(RadPerSecond w) const {
   return out;
 }
 
-std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays) {
+Complex plan_response(const Plan& plan, RadPerSecond w, bool with_delays) {
   const SwitchedBoard board(plan);
   return with_delays ? board.gain(w) : board.sampled(w);
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,13 +26,13 @@ class SwitchedBoard {
   void set_units(std::span<const double> units);
 
   /// From pin to pin, at the sine's own frequency.
-  std::complex<double> gain(RadPerSecond w) const { return graph_.output ? networks_.gain(w) : 0.0; }
+  Complex gain(RadPerSecond w) const { return graph_.output ? networks_.gain(w) : 0.0; }
   /// The product of the CAMs' z-transfers alone: what the capacitors make of samples.
-  std::complex<double> sampled(RadPerSecond w) const;
+  Complex sampled(RadPerSecond w) const;
   /// Every op-amp, [node of graph()][op-amp].
   std::vector<std::vector<PeriodicNetworks::NodeSize>> nodes(RadPerSecond w) const;
   /// PeriodicNetworks::components().
-  std::vector<std::complex<double>> components(RadPerSecond sine, std::span<const RadPerSecond> lines) const {
+  std::vector<Complex> components(RadPerSecond sine, std::span<const RadPerSecond> lines) const {
     return networks_.components(sine, lines);
   }
   /// One-sided, in kT/C_u a hertz at the output pin, [node of graph()]; of the nominal capacitors (not after set_units). Each stage's
@@ -60,6 +59,6 @@ class SwitchedBoard {
 
 /// What the board does to a sine of frequency w at that same frequency: as its switches make it (SwitchedBoard, which
 /// is quicker for many frequencies), or, not `with_delays`, the product of its z-transfers alone.
-std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays);
+Complex plan_response(const Plan& plan, RadPerSecond w, bool with_delays);
 
 }  // namespace bodesmith::fpaa

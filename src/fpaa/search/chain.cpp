@@ -67,8 +67,8 @@ std::vector<std::size_t> order_of(const std::vector<StageRoots>& stages, const s
   std::vector<double> node(target.grid.size(), 0.0);
   std::vector<std::size_t> out;
   while (!left.empty()) {
-    const int now = halvings[*std::min_element(
-        left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return halvings[a] < halvings[b]; })];
+    const int now = halvings[*std::ranges::min_element(
+        left, [&](std::size_t a, std::size_t b) { return halvings[a] < halvings[b]; })];
     std::size_t best = left.size();
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < left.size(); ++i) {

@@ -60,8 +60,7 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
   const auto residuals = [&](const Eigen::VectorXd& values, Eigen::VectorXd& out) {
     stop_if_interrupted();
     set(values);
-    if (!std::all_of(trial.stages.begin(), trial.stages.end(),
-                     [](const DesignStage& stage) { return stage.is_stable(); })) {
+    if (!std::ranges::all_of(trial.stages, [](const DesignStage& stage) { return stage.is_stable(); })) {
       return false;
     }
     const std::vector<Complex> e = response_there().errors();

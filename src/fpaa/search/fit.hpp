@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,12 +12,12 @@ namespace bodesmith::fpaa {
 struct CapacitorEffect {
   std::size_t stage = 0;
   std::size_t capacitor = 0;
-  std::span<const std::complex<double>> values;
+  std::span<const Complex> values;
 };
 /// Of every capacitor that is there; moved, never copied (each looks into `room`).
 struct CapacitorEffects {
   std::vector<CapacitorEffect> list;
-  std::unique_ptr<std::complex<double>[]> room;
+  std::unique_ptr<Complex[]> room;
 };
 /// `only_free`: of those that the continuous fit moves.
 CapacitorEffects capacitor_effects(const DesignResponse& response, bool only_free = false);

@@ -75,7 +75,7 @@ double image_share(const Design& design, const DesignTarget& target) {
   std::vector<double> clocks;
   for (const DesignStage& stage : design.stages) {
     const double clock = target.master_hz / static_cast<double>(stage.divisor);
-    if (clock < 2.0 * target.band.to.value && std::find(clocks.begin(), clocks.end(), clock) == clocks.end())
+    if (clock < 2.0 * target.band.to.value && std::ranges::find(clocks, clock) == clocks.end())
       clocks.push_back(clock);
   }
   if (clocks.empty()) return 0.0;

@@ -35,14 +35,14 @@ PlanError stated_error(const Plan& plan, const SwitchedBoard& board, const Secti
     for (const auto& beside : {near_clocks(clocked_poles(plan), band, kBesideClocks, kStatedMultiples),
                                about_sharp_roots(sections, band)})
       grid.insert(grid.end(), beside.begin(), beside.end());
-    std::sort(grid.begin(), grid.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+    std::ranges::sort(grid, {}, &Hertz::value);
   }
   PlanError out;
   out.band = band;
   for (const Hertz f : grid) {
     const RadPerSecond w = f.rad_s();
-    const std::complex<double> wanted = sections.response(w);
-    const std::complex<double> got = with_delays ? board.gain(w) : board.sampled(w);
+    const Complex wanted = sections.response(w);
+    const Complex got = with_delays ? board.gain(w) : board.sampled(w);
     const double percent = 100.0 * std::abs(got - wanted) / error_reference(sections, w);
     if (!(percent <= out.max_complex_percent)) {
       out.max_complex_percent = percent;
@@ -50,7 +50,7 @@ PlanError stated_error(const Plan& plan, const SwitchedBoard& board, const Secti
     }
     // Beside a zero on the axis a ratio says nothing.
     if (beside_a_zero(sections, w)) continue;
-    const std::complex<double> ratio = got / wanted;
+    const Complex ratio = got / wanted;
     out.max_magnitude_db = std::max(out.max_magnitude_db, std::abs(to_decibel(std::abs(ratio))));
     out.max_phase_deg = std::max(out.max_phase_deg, std::abs(to_degrees(std::arg(ratio))));
   }
@@ -58,7 +58,7 @@ PlanError stated_error(const Plan& plan, const SwitchedBoard& board, const Secti
 }
 
 void add_new(std::vector<std::string>& lines, std::string line) {
-  if (line.empty() || std::find(lines.begin(), lines.end(), line) != lines.end()) return;
+  if (line.empty() || std::ranges::find(lines, line) != lines.end()) return;
   lines.push_back(std::move(line));
 }
 
@@ -86,8 +86,8 @@ bool is_hopeless(const SwitchedBoard& board, const Sections& sections, Band band
   const std::vector<Hertz> grid = log_grid(band, 120);
   double peak = 0.0;
   for (const Hertz f : grid) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
-  return std::any_of(grid.begin(), grid.end(), [&](Hertz f) {
-    const std::complex<double> wanted = sections.response(f.rad_s());
+  return std::ranges::any_of(grid, [&](Hertz f) {
+    const Complex wanted = sections.response(f.rad_s());
     const double size = std::max(error_reference(sections, f.rad_s()), kHopelessFloor * peak);
     return !(std::abs(board.gain(f.rad_s()) - wanted) < kHopeless * size);
   });
@@ -220,13 +220,12 @@ Plan best_of(std::vector<FoundPlan> found, const Board& board) {
   }
   curve[best].chosen = true;
   std::erase_if(curve, [all = curve](const TradeOff& at) {
-    return !at.chosen && std::any_of(all.begin(), all.end(), [&](const TradeOff& other) {
+    return !at.chosen && std::ranges::any_of(all, [&](const TradeOff& other) {
       return other.at_input_v >= at.at_input_v && other.designed_percent <= at.designed_percent &&
              other.p95_percent < at.p95_percent;
     });
   });
-  std::stable_sort(curve.begin(), curve.end(),
-                   [](const TradeOff& a, const TradeOff& b) { return a.at_input_v < b.at_input_v; });
+  std::ranges::stable_sort(curve, {}, &TradeOff::at_input_v);
   Plan out = std::move(found[best].plan);
   out.trade_off = std::move(curve);
   return out;
@@ -248,7 +247,7 @@ SharpRoot costliest_root(const Plan& plan, const Sections& sections, Band band,
   constexpr double kOf95Percent = 1.96;
   const double most = board_by_name(plan.board).max_capacitor;
   SharpRoot out;
-  const auto add = [&](const std::complex<double>& root, bool is_zero) {
+  const auto add = [&](const Complex& root, bool is_zero) {
     const RadPerSecond w{std::abs(root)};
     if (root.imag() <= 0.0 || w.hz() < band.from || w.hz() > band.to) return;
     const double damping = std::max(std::abs(root.real()) / w.value, is_zero ? kLeastZeroDamping : 0.0);

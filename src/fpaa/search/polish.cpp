@@ -52,8 +52,8 @@ std::vector<MovePair> promising_pairs(const std::vector<UnitMove>& moves,
                                       const std::vector<Complex>& errors) {
   std::vector<std::size_t> order(errors.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return std::norm(errors[a]) > std::norm(errors[b]); });
+  std::ranges::stable_sort(
+      order, [&](std::size_t a, std::size_t b) { return std::norm(errors[a]) > std::norm(errors[b]); });
   double bound = 0.0;
   for (const Complex& e : errors) bound += eighth_power(std::norm(e));
   std::vector<MovePair> out;
@@ -69,9 +69,8 @@ std::vector<MovePair> promising_pairs(const std::vector<UnitMove>& moves,
       }
       if (!(sum < kBetter * bound)) continue;
       const MovePair pair{a, b, sum};
-      out.insert(
-          std::find_if(out.begin(), out.end(), [&](const MovePair& p) { return sum < kBetter * p.promised; }),
-          pair);
+      out.insert(std::ranges::find_if(out, [&](const MovePair& p) { return sum < kBetter * p.promised; }),
+                 pair);
       if (out.size() > kJudgedPairs) out.pop_back();
       if (out.size() == kJudgedPairs) bound = out.back().promised;
     }
@@ -116,8 +115,8 @@ void polish_pairs(Design& design, const StageFactorTable& table, const MismatchM
     for (const MovePair& pair : promising_pairs(moves, now.errors)) {
       const UnitMove* second = pair.first == pair.second ? nullptr : &moves[pair.second];
       Design next = with_moves(at, moves[pair.first], second);
-      const bool stable = std::all_of(next.stages.begin(), next.stages.end(),
-                                      [](const DesignStage& stage) { return stage.is_stable(); });
+      const bool stable =
+          std::ranges::all_of(next.stages, [](const DesignStage& stage) { return stage.is_stable(); });
       if (!stable) continue;
       Judged got = judge(next);
       if (!(got.smooth < kBetter * now.smooth)) continue;

@@ -48,9 +48,8 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
                      double full_scale_v, Spread spread);
 
 /// What 95 % of boards keep at each point of the grid: the weighted errors with the mismatch of these capacitors.
-std::vector<double> errors_of_95_percent(const std::vector<std::complex<double>>& errors,
-                                         const CapacitorEffects& effects, const Design& design,
-                                         const MismatchModel& mismatch);
+std::vector<double> errors_of_95_percent(const std::vector<Complex>& errors, const CapacitorEffects& effects,
+                                         const Design& design, const MismatchModel& mismatch);
 
 /// Largest magnitude over the grid and up to nearly half the fastest clock of each stage's output, and of the op-amp inside it (0 for a
 /// first-order one).

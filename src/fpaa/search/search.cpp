@@ -61,8 +61,7 @@ struct Candidate {
 };
 
 bool is_vendor(const Design& design) {
-  return std::all_of(design.stages.begin(), design.stages.end(),
-                     [](const DesignStage& s) { return s.is_vendors(); });
+  return std::ranges::all_of(design.stages, [](const DesignStage& s) { return s.is_vendors(); });
 }
 
 /// What whole capacitors could come to at best: each group as large as its bank; what does not come to half a unit is left out, or is
@@ -155,8 +154,8 @@ class ChainSearch {
     constexpr double kLess = 0.95;  // 95 % of 300 boards is known to some 5 %
     std::vector<const Candidate*> all;
     for (const Candidate& c : found) all.push_back(&c);
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Candidate* a, const Candidate* b) { return a->score.input > b->score.input; });
+    std::ranges::stable_sort(
+        all, [](const Candidate* a, const Candidate* b) { return a->score.input > b->score.input; });
     std::vector<const Candidate*> out{&found.front()};
     double least = std::numeric_limits<double>::infinity();
     for (const Candidate* c : all) {
@@ -214,7 +213,7 @@ class ChainSearch {
       const auto alike = [&](const SharingOptions& other) {
         return other.left_out == from.sharing.left_out && other.nearest_zeros == from.sharing.nearest_zeros;
       };
-      if (std::any_of(tried.begin(), tried.end(), alike)) continue;
+      if (std::ranges::any_of(tried, alike)) continue;
       tried.push_back(from.sharing);
       Candidate c = first_candidate();
       c.sharing.left_out = from.sharing.left_out;
@@ -234,7 +233,7 @@ class ChainSearch {
     if (options_.topology == PlanOptions::Topology::bilinear) {
       const std::vector<DesignStage>& stages = c.design->stages;
       return static_cast<int>(stages.size()) <= board_.cabs_per_chip * board_.per_cab.opamps && c.vendor &&
-             std::all_of(stages.begin(), stages.end(), [](const DesignStage& s) { return s.is_first(); });
+             std::ranges::all_of(stages, [](const DesignStage& s) { return s.is_first(); });
     }
     return c.vendor || !vendor_only();
   }
@@ -335,12 +334,12 @@ class ChainSearch {
                       });
   }
   static bool same_as_one(const std::vector<Candidate>& list, const Design& design) {
-    return std::any_of(list.begin(), list.end(),
-                       [&](const Candidate& other) { return alike(*other.design, design, true); });
+    return std::ranges::any_of(list,
+                               [&](const Candidate& other) { return alike(*other.design, design, true); });
   }
   static void sort_by_rank(std::vector<Candidate>& list) {
-    std::stable_sort(list.begin(), list.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.place() < b.place(); });
+    std::ranges::stable_sort(list,
+                             [](const Candidate& a, const Candidate& b) { return a.place() < b.place(); });
   }
 
   /// Runs `step` on all, two at a time; keeps those for which it is true, by rank.
@@ -420,7 +419,7 @@ class ChainSearch {
   }
 
   static bool same_clocks(const std::vector<Candidate>& list, const Candidate& c) {
-    return std::any_of(list.begin(), list.end(), [&](const Candidate& other) {
+    return std::ranges::any_of(list, [&](const Candidate& other) {
       return other.sharing.left_out == c.sharing.left_out && alike(*other.design, *c.design, false);
     });
   }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <complex>
 #include <cstddef>
 #include <deque>
 #include <vector>
@@ -57,7 +56,7 @@ struct StageFactors {
 /// Where a design is judged: frequencies, what is wanted there, and how much an error there counts.
 struct DesignTarget {
   std::vector<RadPerSecond> grid;
-  std::vector<std::complex<double>> wanted;
+  std::vector<Complex> wanted;
   std::vector<double> weight;      ///< of |got - wanted|/reference; 1 within the band
   std::vector<double> reciprocal;  ///< 1/reference (error_reference.hpp)
   /// Sines spread evenly over the band's decades, whose images count, and 1/reference of each.
@@ -107,11 +106,11 @@ class DesignResponse {
   const Parts<ComplexPair>& signal(std::size_t stage, std::size_t pair) const {
     return signals_[stage * table_.pairs() + pair];
   }
-  std::complex<double> output(std::size_t point) const {
+  Complex output(std::size_t point) const {
     return signal(design_.stages.size() - 1, point / 2).whole().at(point % 2);
   }
   /// weight (got - wanted)/reference.
-  std::vector<std::complex<double>> errors() const;
+  std::vector<Complex> errors() const;
   /// What stage `stage` reads at its input `input`.
   Parts<ComplexPair> input_of(std::size_t stage, std::size_t input, std::size_t pair) const {
     const DesignStage& reader = design_.stages[stage];
@@ -144,9 +143,9 @@ class StagePlace {
   StagePlace(const DesignResponse& response, const Parts<ComplexPair>* ways, std::size_t stage);
 
   /// What a stage in this place adds to the weighted output.
-  void share_of(const DesignStage& stage, std::vector<std::complex<double>>& out) const;
+  void share_of(const DesignStage& stage, std::vector<Complex>& out) const;
   /// d share / d ln C of every capacitor of a stage in this place, [capacitor * points + point].
-  void slopes(const DesignStage& stage, std::complex<double>* out) const;
+  void slopes(const DesignStage& stage, Complex* out) const;
   std::size_t points() const { return points_; }
 
  private:
@@ -167,14 +166,14 @@ class StageTrial : public StagePlace {
  public:
   StageTrial(const DesignResponse& response, std::size_t stage);
 
-  const std::vector<std::complex<double>>& share() const { return share_; }
+  const std::vector<Complex>& share() const { return share_; }
   /// Weighted errors with the stage as it is.
-  const std::vector<std::complex<double>>& errors() const { return errors_; }
+  const std::vector<Complex>& errors() const { return errors_; }
 
  private:
-  std::vector<std::complex<double>> errors_, share_;
+  std::vector<Complex> errors_, share_;
 };
 
-double largest_error(const std::vector<std::complex<double>>& errors);
+double largest_error(const std::vector<Complex>& errors);
 
 }  // namespace bodesmith::fpaa

@@ -38,8 +38,7 @@ class RootSharing {
         }
       }
     }
-    std::sort(real_poles_.begin(), real_poles_.end(),
-              [](Complex a, Complex b) { return std::abs(a) < std::abs(b); });
+    std::ranges::sort(real_poles_, [](Complex a, Complex b) { return std::abs(a) < std::abs(b); });
   }
 
   std::vector<StageRoots> shared() {
@@ -54,8 +53,7 @@ class RootSharing {
     give_real();
     if (!possible_) return {};
     for (StageRoots& stage : out_) {
-      stage.subtract =
-          std::any_of(stage.zeros.begin(), stage.zeros.end(), [](Complex z) { return z.real() > 0.0; });
+      stage.subtract = std::ranges::any_of(stage.zeros, [](Complex z) { return z.real() > 0.0; });
     }
     return out_;
   }
@@ -69,7 +67,7 @@ class RootSharing {
     StageRoots stage{{real_poles_.front()}, {}, true};
     real_poles_.erase(real_poles_.begin());
     if (!real_poles_.empty()) {
-      auto at = std::find_if(real_poles_.begin(), real_poles_.end(), [&](Complex p) {
+      auto at = std::ranges::find_if(real_poles_, [&](Complex p) {
         return std::sqrt(std::abs(p * stage.poles[0])) >= lowest() * (1.0 - kSame);
       });
       if (at == real_poles_.end()) --at;
@@ -106,8 +104,7 @@ class RootSharing {
   /// Zeros that need a second-order stage first; of the others the lowest to the lowest pole: what runs slowly follows its input then,
   /// and only the fastest stages are without one. Or each to the nearest pole, the highest first.
   void give_real() {
-    std::sort(real_zeros_.begin(), real_zeros_.end(),
-              [](double a, double b) { return std::abs(a) < std::abs(b); });
+    std::ranges::sort(real_zeros_, [](double a, double b) { return std::abs(a) < std::abs(b); });
     std::vector<double> easy;
     for (const double z : real_zeros_) {
       if (z != 0.0 && std::abs(z) < lowest() * (1.0 - kSame)) {
@@ -116,7 +113,7 @@ class RootSharing {
         easy.push_back(z);
       }
     }
-    if (options_.nearest_zeros) std::reverse(easy.begin(), easy.end());
+    if (options_.nearest_zeros) std::ranges::reverse(easy);
     for (const double z : easy) {
       if (options_.nearest_zeros) {
         give({z}, false);
@@ -255,8 +252,7 @@ std::optional<Stage> second_order_stage(const Resonance& own, double beta0, doub
 std::optional<Stage> second_order_stage(const StageRoots& roots, double period) {
   const Resonance own = resonance_of(roots, period);
   const double left = 1.0 - own.gamma;
-  const auto at_zero =
-      static_cast<std::size_t>(std::count(roots.zeros.begin(), roots.zeros.end(), Complex(0.0)));
+  const auto at_zero = static_cast<std::size_t>(std::ranges::count(roots.zeros, Complex(0.0)));
   if (roots.poles.size() == 2 && at_zero == roots.zeros.size()) {
     if (at_zero == 0) return second_order_stage(own, own.mu * left, 0.0, 0.0);
     if (at_zero == 1) return second_order_stage(own, 0.0, (own.lambda + own.mu) * left, 0.0);
@@ -377,9 +373,8 @@ bool join_lowest_and_highest(std::vector<StageRoots>& stages) {
 std::vector<StageRoots> shared_roots(const Sections& sections, const SharingOptions& options) {
   std::vector<StageRoots> out = RootSharing(sections, options).shared();
   for (std::size_t n = 0; n < options.left_out; ++n) {
-    const auto closest =
-        std::min_element(out.begin(), out.end(),
-                         [](const StageRoots& a, const StageRoots& b) { return a.width() < b.width(); });
+    const auto closest = std::ranges::min_element(
+        out, [](const StageRoots& a, const StageRoots& b) { return a.width() < b.width(); });
     if (out.size() < 2 || !std::isfinite(closest->width())) return {};
     out.erase(closest);
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -11,8 +10,8 @@ namespace bodesmith::fpaa {
 
 /// The roots of one stage of a chain, or of a stage and the sum behind it.
 struct StageRoots {
-  std::vector<std::complex<double>> poles;  ///< rad/s; none: a gain
-  std::vector<std::complex<double>> zeros;
+  std::vector<Complex> poles;  ///< rad/s; none: a gain
+  std::vector<Complex> zeros;
   bool second = false;    ///< two op-amps
   bool subtract = false;  ///< a sum behind it takes it from its own input: zeros in the right half plane
 

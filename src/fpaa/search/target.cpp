@@ -62,7 +62,7 @@ DesignTarget with_clocks_seen(DesignTarget target, const Design& design, const S
   constexpr double kBeside[] = {-10.0, -3.0, -1.0, -0.4, 0.4, 1.0, 3.0, 10.0};
   constexpr int kMultiples = 4;
   constexpr double kNarrow = 1.0 / 6.0;  // of the clock: wider ones the grid sees
-  const double soft = 1.0 / *std::max_element(target.reciprocal.begin(), target.reciprocal.end());
+  const double soft = 1.0 / *std::ranges::max_element(target.reciprocal);
   for (const DesignStage& stage : design.stages) {
     const double clock = target.master_hz / static_cast<double>(stage.divisor);
     const double width = corner_of(stage, target.master_hz) / (2.0 * std::numbers::pi);

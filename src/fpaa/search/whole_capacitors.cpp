@@ -17,7 +17,7 @@ bool rounded_at(Stage& stage, const Stage& exact_stage, const std::vector<std::v
   const std::vector<double>& exact = exact_stage.c;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     if (!(exact[i] > 0.0)) continue;
-    double scale = std::find(groups[0].begin(), groups[0].end(), i) != groups[0].end() ? first : second;
+    double scale = std::ranges::find(groups[0], i) != groups[0].end() ? first : second;
     if (!stage.is_first() && (i == Stage::kCA || i == Stage::kC3)) scale *= node_scale;
     const double units = std::round(exact[i] * scale);
     if (units > stage.largest_units(i, max_capacitor)) return false;
@@ -136,8 +136,7 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
       if (c[at] > max_capacitor) return;
     }
     if (c[Stage::kC1] + c[Stage::kCp] + c[Stage::kCpp] < 1.0) return;
-    const auto at =
-        std::find_if(found.begin(), found.end(), [&](const auto& other) { return off < other.first; });
+    const auto at = std::ranges::find_if(found, [&](const auto& other) { return off < other.first; });
     found.insert(at, {off, std::move(c)});
     if (found.size() > count) found.pop_back();
   };
@@ -174,8 +173,7 @@ void keep_cheapest(std::vector<WholeStage>& list, const WholeStage& next, std::s
   for (const WholeStage& w : list) {
     if (w.c == next.c) return;
   }
-  const auto at =
-      std::find_if(list.begin(), list.end(), [&](const WholeStage& w) { return next.*cost < w.*cost; });
+  const auto at = std::ranges::find_if(list, [&](const WholeStage& w) { return next.*cost < w.*cost; });
   list.insert(at, next);
   if (list.size() > count) list.pop_back();
 }
@@ -205,7 +203,7 @@ class StageSpread {
       const double sigma = mismatch_.relative_sigma(c[i]);
       for (std::size_t k = 0; k < squares_[i].size(); ++k) variance[k] += squares_[i][k] * sigma * sigma;
     }
-    const double most = points_ > 0 ? *std::max_element(variance.begin(), variance.end()) : 0.0;
+    const double most = points_ > 0 ? *std::ranges::max_element(variance) : 0.0;
     return error_of_95_percent(0.0, std::sqrt(most));
   }
 
@@ -288,8 +286,7 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   if (but_gain.empty()) return out;  // no cost was a number
   for (std::size_t i = 0; i < as_is.size(); ++i) {
     for (const WholeStage* whole : {&as_is[i], &but_gain[std::min(i, but_gain.size() - 1)]}) {
-      if (out.size() < choices && std::find(out.begin(), out.end(), whole->c) == out.end())
-        out.push_back(whole->c);
+      if (out.size() < choices && std::ranges::find(out, whole->c) == out.end()) out.push_back(whole->c);
     }
   }
   return out;
@@ -342,8 +339,7 @@ bool make_whole(Design& design, const StageFactorTable& table, RoundingWidth wid
       }
     }
     if (next.empty()) return false;
-    std::stable_sort(next.begin(), next.end(),
-                     [](const Partly& a, const Partly& b) { return a.error < b.error; });
+    std::ranges::stable_sort(next, {}, &Partly::error);
     if (next.size() > width.designs) next.resize(width.designs);
     kept = std::move(next);
   }

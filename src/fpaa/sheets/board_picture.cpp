@@ -200,7 +200,7 @@ class BoardPicture {
       const std::vector<PlacedCam> none;
       const std::vector<PlacedCam>& cams = chip != nullptr ? chip->cams : none;
       const auto here = static_cast<double>(
-          std::count_if(cams.begin(), cams.end(), [&](const PlacedCam& cam) { return cam.cab == cab; }));
+          std::ranges::count_if(cams, [&](const PlacedCam& cam) { return cam.cab == cab; }));
       const double step = std::min(kCamHeight + kCamGap, (kCabHeight - kCabTitle) / std::max(1.0, here));
       Resources sum;
       double y = box.y + kCabTitle;

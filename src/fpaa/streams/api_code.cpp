@@ -140,8 +140,7 @@ class Parser {
 }  // namespace
 
 const ApiProject::Cam* ApiProject::find(const std::string& chip, const std::string& cam) const {
-  const auto at =
-      std::find_if(cams.begin(), cams.end(), [&](const Cam& c) { return c.chip == chip && c.name == cam; });
+  const auto at = std::ranges::find_if(cams, [&](const Cam& c) { return c.chip == chip && c.name == cam; });
   return at == cams.end() ? nullptr : &*at;
 }
 

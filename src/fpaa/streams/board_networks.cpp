@@ -81,7 +81,7 @@ std::vector<BoardNode> opamps_read_by(const BoardCircuit& board, const BoardNode
 }
 
 bool contains(const std::vector<BoardNode>& list, const BoardNode& node) {
-  return std::find(list.begin(), list.end(), node) != list.end();
+  return std::ranges::find(list, node) != list.end();
 }
 
 std::vector<BoardNode> all_read_by(const BoardCircuit& board, const BoardNode& amp) {
@@ -115,7 +115,7 @@ class StageReader {
     for (const BoardNode& amp : members_) {
       for (const CapacitorCell* c : capacitors_at(board_, amp)) {
         // Of two op-amps' capacitor the first has it.
-        if (std::find(placed.begin(), placed.end(), c) != placed.end()) continue;
+        if (std::ranges::find(placed, c) != placed.end()) continue;
         placed.push_back(c);
         if (!c->is_understood)
           throw DesignError(
@@ -150,7 +150,7 @@ class StageReader {
       return 0;
     }
     const std::int64_t period = ticks_of(chip, *number);
-    const auto at = std::find(periods_.begin(), periods_.end(), period);
+    const auto at = std::ranges::find(periods_, period);
     if (at != periods_.end()) return static_cast<int>(at - periods_.begin());
     periods_.push_back(period);
     return static_cast<int>(periods_.size()) - 1;
@@ -171,13 +171,13 @@ class StageReader {
     const LinkedSource source = behind_wires(board_, {amp.chip, at});
     if (source.sampled_phase == 0 && contains(members_, source.node))
       return member(source.node, PlateNode::Kind::opamp);
-    auto known = std::find(sources.begin(), sources.end(), source);
+    auto known = std::ranges::find(sources, source);
     if (known == sources.end()) known = sources.insert(known, source);
     return PlateNode::input(static_cast<int>(known - sources.begin()) + 1);
   }
 
   PlateNode member(const BoardNode& amp, PlateNode::Kind kind) const {
-    const auto at = std::find(members_.begin(), members_.end(), amp);
+    const auto at = std::ranges::find(members_, amp);
     return at == members_.end() ? PlateNode::ground()
                                 : PlateNode{kind, static_cast<int>(at - members_.begin()) + 1};
   }
@@ -330,7 +330,7 @@ double feedback_determinant(const BoardCircuit& board, const std::vector<BoardNo
       for (const CapacitorCell* c : capacitors_at(board, amp)) {
         if (!(c->far.at[phase] == ground)) continue;
         const BoardNode from = behind_wires(board, {amp.chip, c->near.at[phase]}).node;
-        const auto at = std::find(members.begin(), members.end(), from);
+        const auto at = std::ranges::find(members, from);
         if (at != members.end()) f(k, at - members.begin()) += c->units;
       }
     }
@@ -432,9 +432,8 @@ Outcome<SignalPins> signal_pins(const BoardCircuit& board) {
   for (const ChipCircuit& chip : board.chips) {
     for (const IoCell& cell : chip.cells) {
       const BoardPin pin{chip.address1, cell.number};
-      const bool wired = std::any_of(board.links.begin(), board.links.end(), [&](const PinLink& l) {
-        return l.to == pin || (l.from == pin && cell.is_output());
-      });
+      const bool wired = std::ranges::any_of(
+          board.links, [&](const PinLink& l) { return l.to == pin || (l.from == pin && cell.is_output()); });
       if (wired || (!cell.is_input() && !cell.is_output())) continue;
       (cell.is_input() ? inputs : outputs).push_back(pin);
       names.push_back(fmt::format("chip{}.IO{} ({})", chip.address1, cell.number, to_string(cell.mode)));
@@ -455,8 +454,8 @@ std::vector<StageTransfer> stage_transfers(const BoardCircuit& board) {
       for (int o = 1; o <= kOpAmps; ++o) {
         const BoardNode amp{chip, {Kind::opamp, cab.cab, o}};
         const auto acting = capacitors_at(board, amp);
-        const bool reads = std::any_of(acting.begin(), acting.end(), [](const CapacitorCell* c) {
-          return std::any_of(c->near.at.begin(), c->near.at.end(), [](const CircuitNode& near) {
+        const bool reads = std::ranges::any_of(acting, [](const CapacitorCell* c) {
+          return std::ranges::any_of(c->near.at, [](const CircuitNode& near) {
             return near.kind == Kind::opamp || near.kind == Kind::pin;
           });
         });

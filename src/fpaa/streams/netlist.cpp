@@ -132,8 +132,7 @@ std::vector<LoadedBoard> load_boards(const std::vector<FoundStream>& streams) {
   for (const FoundStream& s : streams) {
     const int address = s.stream.address1;
     const auto chip_in = [&](LoadedBoard& board) {
-      return std::find_if(board.chips.begin(), board.chips.end(),
-                          [&](const ChipImage& c) { return c.address1 == address; });
+      return std::ranges::find(board.chips, address, &ChipImage::address1);
     };
     const bool is_there = !out.empty() && chip_in(out.back()) != out.back().chips.end();
     if (out.empty() || (s.stream.primary && is_there)) out.emplace_back();

@@ -38,13 +38,13 @@ struct ChipStage {
   int output_opamp() const { return first_opamp + switches.output - 1; }
   /// A capacitor that is never switched reads this input: it sees every change of it, in both phases.
   bool has_static_branch(int input) const {
-    return std::any_of(switches.capacitors.begin(), switches.capacitors.end(), [&](const StageCapacitor& c) {
+    return std::ranges::any_of(switches.capacitors, [&](const StageCapacitor& c) {
       return c.near.is_static() && c.near.phase1 == PlateNode::input(input);
     });
   }
   /// An input is read in no other phase than this one.
   bool reads_only_in(int phase, int input) const {
-    return std::none_of(switches.capacitors.begin(), switches.capacitors.end(), [&](const StageCapacitor& c) {
+    return std::ranges::none_of(switches.capacitors, [&](const StageCapacitor& c) {
       return (phase == 1 ? c.near.phase2 : c.near.phase1) == PlateNode::input(input);
     });
   }
@@ -139,7 +139,7 @@ class ChipWriter {
     system_divisor_ = *system;
     for (const auto& [clock, total] : totals) clock_divisors_[clock] = total / *system;
     if (*system == 1) return;
-    const auto slowest = static_cast<double>(*std::max_element(all.begin(), all.end()));
+    const auto slowest = static_cast<double>(*std::ranges::max_element(all));
     notes_.push_back(fmt::format(
         "chip {}: its slowest clock, {} Hz, lies below {} Hz, so the system clocks are divided by {} (both: which "
         "of them feeds a chip clock is not known). No public stream does that; should the coding differ, every "
@@ -188,9 +188,9 @@ class ChipWriter {
   /// The look-up stage has its place, and its CAB both clocks.
   void reserve_lookup() {
     const auto is_lookup = [](const ChipStage& stage) { return stage.lookup.has_value(); };
-    const auto first = std::find_if(stages_.begin(), stages_.end(), is_lookup);
+    const auto first = std::ranges::find_if(stages_, is_lookup);
     if (first == stages_.end()) return;
-    if (std::count_if(stages_.begin(), stages_.end(), is_lookup) > 1 || first->cam->cab != kLookupCab ||
+    if (std::ranges::count_if(stages_, is_lookup) > 1 || first->cam->cab != kLookupCab ||
         first->cam->clock_index != kLookupSlowClock) {
       refuse(
           "{} stands in CAB {} at Clock {}; the bytes of a look-up stage are known for one a chip, in CAB {} at Clock "
@@ -438,7 +438,7 @@ PlanStreams written(const Plan& plan, const PinCells& wanted) {
   for (const ChipPlan& chip : plan.chips) writers.emplace_back(plan, chip, out.warnings);
   for (const auto& one : wanted) {
     const std::string& pin = one.first;
-    if (std::none_of(writers.begin(), writers.end(), [&](const ChipWriter& w) { return w.has_pin(pin); }))
+    if (std::ranges::none_of(writers, [&](const ChipWriter& w) { return w.has_pin(pin); }))
       refuse("an I/O cell is asked for {}, which is no pin of the plan", pin);
   }
   for (std::size_t i = 0; i < writers.size(); ++i) {

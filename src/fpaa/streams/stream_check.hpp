@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <string>
 #include <vector>
@@ -14,7 +13,7 @@ namespace bodesmith::fpaa::an231 {
 
 /// What the bytes make between two pins, as their switches move, against what is wanted. Throws DesignError where they
 /// make nothing that is understood.
-using WantedResponse = std::function<std::complex<double>(RadPerSecond)>;
+using WantedResponse = std::function<Complex(RadPerSecond)>;
 PlanError stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
                        const WantedResponse& wanted);
 

@@ -30,7 +30,7 @@ bool looks_like_stream(std::string_view bytes) {
 }
 
 bool is_text(std::string_view text) {
-  return std::none_of(text.begin(), text.end(), [](char c) {
+  return std::ranges::none_of(text, [](char c) {
     const auto u = static_cast<unsigned char>(c);
     return u < 0x20 && u != '\n' && u != '\r' && u != '\t' && u != '\f' && u != '\v';
   });

@@ -308,7 +308,7 @@ void restate(Plan& plan, const std::vector<Hertz>& grid, const std::vector<Compl
   const std::string note =
       "trimmed for one measured board, of which trim.json says what is expected; errors here are of nominal capacitors, images "
       "and headroom those of the plan before";
-  if (std::find(plan.notes.begin(), plan.notes.end(), note) == plan.notes.end()) plan.notes.push_back(note);
+  if (std::ranges::find(plan.notes, note) == plan.notes.end()) plan.notes.push_back(note);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <optional>
 #include <vector>
 
@@ -73,8 +72,8 @@ struct Trim {
 /// capacitors are kept unless the new ones are better on every one of `samples` boards drawn from what the
 /// measurement and the exchanged units leave open. Measured and trimmed again, a board starts from the model
 /// anew, with the capacitors of the first trim as the plan.
-Trim trim_board(const Plan& plan, const std::vector<std::complex<double>>& wanted,
-                const std::vector<Hertz>& grid, const MeasuredBoard& measured, const TrimOptions& options);
+Trim trim_board(const Plan& plan, const std::vector<Complex>& wanted, const std::vector<Hertz>& grid,
+                const MeasuredBoard& measured, const TrimOptions& options);
 
 /// The grid on which a trim judges, and the plan's own response there: the target when there are no sections.
 std::vector<Hertz> trim_grid(const Plan& plan, const TrimOptions& options);

@@ -161,8 +161,8 @@ class TrimSearch {
   /// The coarsest capacitor first.
   void round_one_after_the_other(Random* random) {
     std::vector<std::size_t> open = movable_;
-    std::stable_sort(open.begin(), open.end(),
-                     [&](std::size_t a, std::size_t b) { return problem_.units[a] < problem_.units[b]; });
+    std::ranges::stable_sort(
+        open, [&](std::size_t a, std::size_t b) { return problem_.units[a] < problem_.units[b]; });
     if (gram_.size() == 0) find_gram(open);
     for (std::size_t first = 0; first < open.size(); ++first) {
       const std::size_t c = open[first];

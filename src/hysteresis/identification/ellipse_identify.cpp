@@ -70,9 +70,8 @@ std::vector<PeriodGroup> period_groups(std::span<const TimeRecord> records, cons
   std::vector<PeriodGroup> groups;
   for (const TimeRecord& record : records) {
     for (const Period& p : periods_of(record, options.skip_s, options.frequency_hz)) {
-      auto found = std::find_if(groups.begin(), groups.end(), [&](const PeriodGroup& g) {
-        return std::abs(g.frequency / p.frequency - 1.0) < 0.08;
-      });
+      auto found = std::ranges::find_if(
+          groups, [&](const PeriodGroup& g) { return std::abs(g.frequency / p.frequency - 1.0) < 0.08; });
       if (found == groups.end()) {
         groups.push_back({p.frequency, {}});
         found = groups.end() - 1;
@@ -82,8 +81,7 @@ std::vector<PeriodGroup> period_groups(std::span<const TimeRecord> records, cons
   }
   if (groups.empty())
     throw InputError(records[0].file, 0, "holds no whole period of the input, expected at least two");
-  std::sort(groups.begin(), groups.end(),
-            [](const auto& a, const auto& b) { return a.frequency < b.frequency; });
+  std::ranges::sort(groups, [](const auto& a, const auto& b) { return a.frequency < b.frequency; });
   return groups;
 }
 

@@ -41,7 +41,7 @@ Eigen::VectorXd refined(const Eigen::VectorXd& coarse, std::size_t levels) {
 std::vector<std::size_t> coarse_to_fine(std::size_t levels) {
   std::vector<std::size_t> out{levels};
   while (out.back() % 2 == 0 && out.back() > 30) out.push_back(out.back() / 2);
-  std::reverse(out.begin(), out.end());
+  std::ranges::reverse(out);
   return out;
 }
 

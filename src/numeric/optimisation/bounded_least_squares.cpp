@@ -165,7 +165,7 @@ class BoundedSearch {
       for (std::size_t j = 0; j < free.size(); ++j)
         x_(free[j]) += stop.way * (target(eigen_index(j)) - x_(free[j]));
       if (stop.index < 0) {
-        std::fill(barred_.begin(), barred_.end(), false);
+        barred_.assign(barred_.size(), false);
         return;
       }
       x_(stop.index) = stop.side < 0 ? lower_(stop.index) : upper_(stop.index);

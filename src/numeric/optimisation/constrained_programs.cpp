@@ -150,7 +150,7 @@ class Exchange {
                          return x > y || (x == y && a < b);
                        });
       peaks.resize(most);
-      std::sort(peaks.begin(), peaks.end());
+      std::ranges::sort(peaks);
     }
     for (const std::size_t row : peaks) is_watched_[row] = true;
     watched_.insert(watched_.end(), peaks.begin(), peaks.end());

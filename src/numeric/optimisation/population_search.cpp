@@ -136,8 +136,7 @@ DifferentialEvolutionResult differential_evolution(const std::function<double(co
         all.begin(), all.end(), [](const Individual& p, const Individual& q) { return p.cost < q.cost; });
     if (worst->cost - best->cost <= options.spread * worst->cost || best->cost <= options.enough) break;
   }
-  const auto best = std::min_element(
-      all.begin(), all.end(), [](const Individual& p, const Individual& q) { return p.cost < q.cost; });
+  const auto best = std::ranges::min_element(all, {}, &Individual::cost);
   out.x = best->x;
   out.cost = best->cost;
   return out;

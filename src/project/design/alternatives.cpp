@@ -115,7 +115,7 @@ std::vector<std::size_t> rank_alternatives(const Project& project,
     if (by != Choice::fewest_sections || alternatives[i].points_max_db <= limit) order.push_back(i);
   }
   if (order.empty()) return {0};
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     const Alternative& first = alternatives[a];
     const Alternative& second = alternatives[b];
     if (by == Choice::tracking) return first.tracked_percent < second.tracked_percent;

@@ -22,7 +22,7 @@ generator::Options controller_options(const Project& project) {
       options.least_swing =
           std::min(options.least_swing, tracking::Reference(shape, amplitude).least_swing());
   }
-  options.lowest = *std::min_element(project.track.frequency.begin(), project.track.frequency.end());
+  options.lowest = *std::ranges::min_element(project.track.frequency);
   return options;
 }
 
@@ -43,7 +43,7 @@ AnalogControllerMade make_analog_controller(const Project& project) {
   if (!project.circuit) return out;
   generator::Options options = controller_options(project);
   const auto& strokes = project.track.amplitudes;
-  options.full_stroke = std::all_of(strokes.begin(), strokes.end(), [](double one) { return one == 1.0; });
+  options.full_stroke = std::ranges::all_of(strokes, [](double one) { return one == 1.0; });
   for (const Form form : forms_of(project)) {
     options.form = form;
     try {
@@ -70,8 +70,7 @@ std::optional<tolerance::ControllerReport> examine_controller(
   options.study.errors = project.controller.errors;
   options.study.reference = tracking::Reference(tracking::Reference::Shape::triangle, stroke);
   options.study.frequencies = project.track.frequency;
-  std::sort(options.study.frequencies.begin(), options.study.frequencies.end(),
-            [](Hertz a, Hertz b) { return a.value < b.value; });
+  std::ranges::sort(options.study.frequencies, {}, &Hertz::value);
   options.study.draws = options.trims.draws = kCopies;
   options.allow_unstable = project.controller.allow_unstable;
   return tolerance::examine(*controller, stage, options);

@@ -20,7 +20,7 @@ std::string stages_csv(const std::vector<DesignStage>& stages, const std::vector
     std::vector<double> db;
     std::vector<double> degrees;
     for (const Hertz f : grid) {
-      const std::complex<double> h = stage.response(f.rad_s());
+      const Complex h = stage.response(f.rad_s());
       db.push_back(to_decibel(std::abs(h)));
       degrees.push_back(to_degrees(std::arg(h)));
     }
@@ -46,7 +46,7 @@ report::BodePlot stages_bode(const std::vector<DesignStage>& stages, const std::
     Series phase = magnitude;
     double last = 0.0;
     for (const Hertz f : grid) {
-      const std::complex<double> h = stage.response(f.rad_s());
+      const Complex h = stage.response(f.rad_s());
       magnitude.y.push_back(to_decibel(std::abs(h)));
       double angle = to_degrees(std::arg(h));
       angle += 360.0 * std::round((last - angle) / 360.0);

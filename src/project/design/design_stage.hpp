@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,7 +14,7 @@ namespace bodesmith::project {
 /// One stage of a design as a frequency response that can be compared with the others. It refers to its design.
 struct DesignStage {
   std::string name;  ///< "cascade", "sections", "fpaa", "circuit", …
-  std::function<std::complex<double>(RadPerSecond)> response;
+  std::function<Complex(RadPerSecond)> response;
   std::optional<std::size_t> previous = std::nullopt;  ///< place of the stage it is made from
 };
 

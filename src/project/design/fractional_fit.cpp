@@ -78,7 +78,7 @@ void state_error(const FractionalTransfer& transfer, Band band, DirectFit& fit) 
 Hertz FractionalFit::lowest_pole() const {
   double out = INFINITY;
   for (const Section& section : fit.sections.sections) {
-    for (const std::complex<double>& pole : section.poles) out = std::min(out, std::abs(pole));
+    for (const Complex& pole : section.poles) out = std::min(out, std::abs(pole));
   }
   return RadPerSecond{out}.hz();
 }

@@ -133,7 +133,7 @@ std::unique_ptr<tracking::BuiltController> controller_at_rest(
 }
 
 Hertz lowest_tracked(const Project& project) {
-  return *std::min_element(project.track.frequency.begin(), project.track.frequency.end());
+  return *std::ranges::min_element(project.track.frequency);
 }
 
 chain::Chain stage_model(const Project& project, Hertz operating) {

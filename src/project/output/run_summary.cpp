@@ -93,7 +93,7 @@ std::string elsewhere_text(const TrackingStudy& tracking) {
     std::replace(line.begin(), line.end(), '_', ' ');
     out += line;
     if (!one.fit_percent.empty())
-      out += fmt::format(" (fit {:.2f})", *std::max_element(one.fit_percent.begin(), one.fit_percent.end()));
+      out += fmt::format(" (fit {:.2f})", *std::ranges::max_element(one.fit_percent));
     out += "\n";
   }
   return out;
@@ -103,7 +103,7 @@ std::string elsewhere_text(const TrackingStudy& tracking) {
 
 bool Run::limits_met() const {
   return shortfalls().empty() &&
-         std::all_of(limits.begin(), limits.end(), [](const LimitCheck& check) { return check.met(); });
+         std::ranges::all_of(limits, [](const LimitCheck& check) { return check.met(); });
 }
 
 std::vector<std::string> Run::shortfalls() const {

@@ -12,16 +12,16 @@
 namespace bodesmith::project {
 namespace {
 
-std::string root_text(const std::complex<double>& root) {
+std::string root_text(const Complex& root) {
   if (root.imag() == 0.0)
     return hertz_text(RadPerSecond{std::abs(root)}.hz().value) + (root.real() > 0.0 ? " (right)" : "");
   return fmt::format("{}, Q {}", hertz_text(RadPerSecond{std::abs(root)}.hz().value),
                      rounded_text(-0.5 * std::abs(root) / root.real(), 3));
 }
 
-std::string list_of_roots(const std::vector<std::complex<double>>& roots) {
+std::string list_of_roots(const std::vector<Complex>& roots) {
   std::vector<std::string> out;
-  for (const std::complex<double>& root : roots) {
+  for (const Complex& root : roots) {
     if (root.imag() >= 0.0) out.push_back(root_text(root));
   }
   return out.empty() ? "-" : join(out, "; ");

@@ -74,10 +74,9 @@ report::Table elsewhere_table(const TrackingStudy& study) {
   table.head = {"stage", "reference", "amplitude", "model's own fit"};
   for (const TrackedDesign& design : study.elsewhere.front().designs) table.head.push_back(design.name);
   for (const TrackedElsewhere& one : study.elsewhere) {
-    const std::string fit =
-        one.fit_percent.empty()
-            ? std::string()
-            : fmt::format("{:.3f}", *std::max_element(one.fit_percent.begin(), one.fit_percent.end()));
+    const std::string fit = one.fit_percent.empty()
+                                ? std::string()
+                                : fmt::format("{:.3f}", *std::ranges::max_element(one.fit_percent));
     table.rows.push_back({one.stage, std::string(to_string(one.waveform)), rounded_text(one.amplitude), fit});
     for (const TrackedDesign& design : one.designs)
       table.rows.back().push_back(fmt::format("{:.3f}", design.worst_without_lag_percent()));

@@ -23,7 +23,7 @@ constexpr const char* kOutcome = "variant.json";
 std::vector<std::string> changed_keys(const std::vector<Variant>& variants) {
   std::vector<std::string> out;
   const auto add = [&out](const std::string& key) {
-    if (std::find(out.begin(), out.end(), key) == out.end()) out.push_back(key);
+    if (std::ranges::find(out, key) == out.end()) out.push_back(key);
   };
   for (const Variant& variant : variants) {
     for (const auto& [key, value] : variant.set) add(key);
@@ -129,8 +129,8 @@ std::string_view to_string(SweptVariant::Status status) {
 }
 
 bool Sweep::limits_met() const {
-  return std::all_of(variants.begin(), variants.end(),
-                     [](const SweptVariant& variant) { return variant.status == Status::done; });
+  return std::ranges::all_of(variants,
+                             [](const SweptVariant& variant) { return variant.status == Status::done; });
 }
 
 Sweep run_sweep(const fs::path& project, const fs::path& variants_file, const fs::path& folder,

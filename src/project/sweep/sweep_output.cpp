@@ -17,7 +17,7 @@ std::vector<std::string> figure_names(const Sweep& sweep) {
   std::vector<std::string> out;
   for (const SweptVariant& variant : sweep.variants) {
     for (const auto& [name, value] : variant.figures) {
-      if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
+      if (std::ranges::find(out, name) == out.end()) out.push_back(name);
     }
   }
   return out;
@@ -42,7 +42,7 @@ std::string cell(const std::string& text) {
 const SweptVariant* best_variant(const Sweep& sweep, std::string& by) {
   const std::vector<std::string> names = figure_names(sweep);
   for (const char* name : {"tracking_percent", "yield_db", "target_db"}) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) continue;
+    if (std::ranges::find(names, name) == names.end()) continue;
     const SweptVariant* best = nullptr;
     for (const SweptVariant& variant : sweep.variants) {
       const double* const value = variant.status == Status::done ? figure(variant, name) : nullptr;
@@ -119,8 +119,8 @@ std::string sweep_summary(const Sweep& sweep) {
   }
   std::string out = fmt::format("{}: {} variants\n", sweep.project, sweep.variants.size()) +
                     text_of("variant", table) + refused;
-  const auto kept = std::count_if(sweep.variants.begin(), sweep.variants.end(),
-                                  [](const SweptVariant& variant) { return variant.kept; });
+  const auto kept =
+      std::ranges::count_if(sweep.variants, [](const SweptVariant& variant) { return variant.kept; });
   if (kept > 0) out += fmt::format("{} of them kept from an earlier sweep\n", kept);
   std::string by;
   if (const SweptVariant* best = best_variant(sweep, by))

@@ -58,7 +58,7 @@ void check_name(const Variant& variant) {
   };
   const std::string& name = variant.name;
   if (name.empty() || name.size() > kLongestName || name.front() == '.' || name.front() == ' ' ||
-      name.back() == ' ' || !std::all_of(name.begin(), name.end(), fits)) {
+      name.back() == ' ' || !std::ranges::all_of(name, fits)) {
     refuse_name(variant);
   }
 }

@@ -58,7 +58,7 @@ class BoardTracker {
         generator_(tracking_plant(project).generated().at(project.track.amplitude())) {
     double decay = INFINITY;
     for (const Section& section : design.sections().sections) {
-      for (const std::complex<double>& pole : section.poles) decay = std::min(decay, -pole.real());
+      for (const Complex& pole : section.poles) decay = std::min(decay, -pole.real());
     }
     settled_s_ = kTimeConstants / decay;
     double largest = 1e-3;

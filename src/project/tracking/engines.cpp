@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kHarmonics = 1024;
 
-using Responses = std::map<double, std::complex<double>>;  // by Hz
+using Responses = std::map<double, Complex>;  // by Hz
 
 /// At every harmonic of every tracked frequency; a thousandth of the lowest stands for rest.
 Responses ngspice_responses(const Project& project, const synthesis::Circuit& circuit) {
@@ -43,7 +43,7 @@ const TrackedDesign* best_of(const TrackingStudy& study, std::initializer_list<s
   const TrackedDesign* best = nullptr;
   for (const TrackedDesign& one : study.designs) {
     const bool asked =
-        std::any_of(keys.begin(), keys.end(), [&](std::string_view key) { return one.key.starts_with(key); });
+        std::ranges::any_of(keys, [&](std::string_view key) { return one.key.starts_with(key); });
     if (asked && (best == nullptr || one.worst_without_lag_percent() < best->worst_without_lag_percent()))
       best = &one;
   }

@@ -214,7 +214,7 @@ double max_cross_check(const tracking::Report& report) {
 TrackedPeriod shown_period(const tracking::Report& report, const std::vector<TrackedCandidate>& candidates,
                            const std::vector<Hertz>& frequencies, double stroke) {
   TrackedPeriod out;
-  out.frequency = *std::max_element(frequencies.begin(), frequencies.end());
+  out.frequency = *std::ranges::max_element(frequencies);
   for (const TrackedCandidate& candidate : candidates) {
     const tracking::Case* found = report.find(out.frequency, candidate.design.name);
     if (out.time_s.empty()) {

@@ -51,7 +51,7 @@ std::optional<tracking::ScheduledGain> rate_table(const Project& project) {
 /// A triangle's slope is its frequency all the time; anything else needs the mean over some periods.
 tracking::SlopeGain slope_gain(const Project& project, const tracking::ScheduledGain& table) {
   tracking::SlopeGain out{table, 1e-4, 0.0};
-  const auto slowest = std::min_element(project.track.frequency.begin(), project.track.frequency.end());
+  const auto slowest = std::ranges::min_element(project.track.frequency);
   if (project.track.waveform() != tracking::Reference::Shape::triangle)
     out.smoothing_s = 3.0 / slowest->value;
   return out;

@@ -131,8 +131,7 @@ TrackedDesign tracked_controller(const tracking::BuiltController& controller, co
 }
 
 const TrackedDesign* TrackingStudy::find(std::string_view key) const {
-  const auto found = std::find_if(designs.begin(), designs.end(),
-                                  [key](const TrackedDesign& design) { return design.key == key; });
+  const auto found = std::ranges::find(designs, key, &TrackedDesign::key);
   return found == designs.end() ? nullptr : &*found;
 }
 

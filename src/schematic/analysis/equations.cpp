@@ -112,8 +112,8 @@ int Equations::node(const std::string& name) const {
 
 void Equations::evaluate(const Point& at, std::span<double> f, std::span<double> q,
                          std::vector<Stamps::Slope>& slopes) const {
-  std::fill(f.begin(), f.end(), 0.0);
-  std::fill(q.begin(), q.end(), 0.0);
+  std::ranges::fill(f, 0.0);
+  std::ranges::fill(q, 0.0);
   slopes.clear();
   Stamps stamps(f, q, slopes);
   for (const auto& element : elements_) element->stamp(at, stamps);

@@ -9,7 +9,7 @@
 namespace bodesmith::schematic {
 namespace {
 
-std::complex<double> way(const Eigen::VectorXcd& ways, int place) {
+Complex way(const Eigen::VectorXcd& ways, int place) {
   return place < 0 ? 0.0 : ways(place);
 }
 
@@ -68,8 +68,7 @@ double worst_output_offset(const Netlist& netlist) {
   return out;
 }
 
-std::vector<std::complex<double>> log_sensitivities(const Equations& equations, std::size_t parts,
-                                                    RadPerSecond w) {
+std::vector<Complex> log_sensitivities(const Equations& equations, std::size_t parts, RadPerSecond w) {
   const Eigen::VectorXcd x = solve_sparse(equations.small_signal(w)), y = equations.ways_to(w);
   const Complex h = x(equations.node("out"));
   std::vector<Complex> out(parts, 0.0);
@@ -90,10 +89,10 @@ std::vector<std::complex<double>> log_sensitivities(const Equations& equations, 
   return out;
 }
 
-std::vector<std::complex<double>> network_response(const Netlist& netlist, const std::vector<Hertz>& grid,
-                                                   const Assumptions& assumptions) {
+std::vector<Complex> network_response(const Netlist& netlist, const std::vector<Hertz>& grid,
+                                      const Assumptions& assumptions) {
   const Equations equations(netlist, assumptions);
-  std::vector<std::complex<double>> out;
+  std::vector<Complex> out;
   out.reserve(grid.size());
   for (const Hertz f : grid) {
     stop_if_interrupted();
@@ -103,7 +102,7 @@ std::vector<std::complex<double>> network_response(const Netlist& netlist, const
 }
 
 void ResponseOfParts::System::add(const Stamps::Slope& slope, double factor) {
-  const std::complex<double> value(factor * slope.f, factor * w * slope.q);
+  const Complex value(factor * slope.f, factor * w * slope.q);
   if (slope.column == kInput) {
     b(slope.row) -= value;
   } else {
@@ -134,21 +133,19 @@ ResponseOfParts::ResponseOfParts(const Netlist& netlist, const std::vector<Hertz
   out_ = equations.node("out");
 }
 
-const std::vector<std::complex<double>>& ResponseOfParts::at(std::span<const double> values) {
+const std::vector<Complex>& ResponseOfParts::at(std::span<const double> values) {
   for (std::size_t i = 0; i < others_.size(); ++i) {
     all_ = others_[i];
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       const double factor = std::pow(values[p] / parts_[p].nominal, parts_[p].power);
       for (const Stamps::Slope& slope : parts_[p].slopes) all_.add(slope, factor);
     }
-    response_[i] =
-        out_ < 0 ? std::complex<double>(out_ == kInput ? 1.0 : 0.0) : solve_lu(all_.m, all_.b)(out_);
+    response_[i] = out_ < 0 ? Complex(out_ == kInput ? 1.0 : 0.0) : solve_lu(all_.m, all_.b)(out_);
   }
   return response_;
 }
 
-std::complex<double> return_ratio(const Equations& equations, const Netlist& netlist, std::size_t opamp,
-                                  RadPerSecond w) {
+Complex return_ratio(const Equations& equations, const Netlist& netlist, std::size_t opamp, RadPerSecond w) {
   const OpAmp& one = netlist.opamps[opamp];
   const OpAmpModel& model = netlist.model_of(one);
   SparseSystem s = equations.small_signal(w);
@@ -161,7 +158,7 @@ std::complex<double> return_ratio(const Equations& equations, const Netlist& net
   const Eigen::VectorXcd x = solve_sparse(s);
   const auto at = [&](const std::string& name) {
     const int place = equations.node(name);
-    return place < 0 ? std::complex<double>(0.0) : x(place);
+    return place < 0 ? Complex(0.0) : x(place);
   };
   return -model.open_loop(w) * (at(one.plus) - at(one.minus));
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,8 +12,8 @@
 namespace bodesmith::schematic {
 
 /// V(out)/V(in) of the whole network over a grid, so that every stage loads the one before it.
-std::vector<std::complex<double>> network_response(const Netlist& netlist, const std::vector<Hertz>& grid,
-                                                   const Assumptions& assumptions = {});
+std::vector<Complex> network_response(const Netlist& netlist, const std::vector<Hertz>& grid,
+                                      const Assumptions& assumptions = {});
 
 /// The same for any values of the netlist's parts, over one grid: the linear equations are numbered and scaled once, filled and
 /// solved for each set of values. Throws std::invalid_argument for parts whose stamp is no power of their value (diodes).
@@ -23,7 +22,7 @@ class ResponseOfParts {
   ResponseOfParts(const Netlist& netlist, const std::vector<Hertz>& grid,
                   const Assumptions& assumptions = {});
   /// `values`: one of each of Netlist::parts (ohm, farad). Valid until the next call.
-  const std::vector<std::complex<double>>& at(std::span<const double> values);
+  const std::vector<Complex>& at(std::span<const double> values);
 
  private:
   struct Part {
@@ -43,18 +42,16 @@ class ResponseOfParts {
   std::vector<System> others_;  ///< what is no part, a system a frequency
   int out_ = 0;
   System all_;
-  std::vector<std::complex<double>> response_;
+  std::vector<Complex> response_;
 };
 
 /// Return ratio of an op-amp with all others at work, -A (v+ - v-) for its own source set to 1 V and the input at rest:
 /// 1 + T is what must not vanish. Every feedback is in it.
-std::complex<double> return_ratio(const Equations& equations, const Netlist& netlist, std::size_t opamp,
-                                  RadPerSecond w);
+Complex return_ratio(const Equations& equations, const Netlist& netlist, std::size_t opamp, RadPerSecond w);
 
 /// d ln V(out)/d ln value of every resistor and capacitor at one frequency, by the adjoint network: with M x = b and
 /// M' y = e_out, d V(out) = -y' dM x, whatever the number of parts. 0 for other parts, and at a null of the response.
-std::vector<std::complex<double>> log_sensitivities(const Equations& equations, std::size_t parts,
-                                                    RadPerSecond w);
+std::vector<Complex> log_sensitivities(const Equations& equations, std::size_t parts, RadPerSecond w);
 
 /// Spectral density of the noise at a node in V/sqrt(Hz), all elements' sources at once by one solution of the transposed
 /// system a frequency. `flicker`: with the op-amps' 1/f corner.

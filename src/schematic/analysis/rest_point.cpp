@@ -98,7 +98,7 @@ void RestOrder::find_blocks() {
     for (std::size_t i = 0; i < netlist_.opamps.size(); ++i) {
       const int out = node(netlist_.opamps[i].out);
       for (std::size_t b = 0; b < count; ++b) {
-        if (std::find(blocks_[b].reads.begin(), blocks_[b].reads.end(), out) != blocks_[b].reads.end())
+        if (std::ranges::find(blocks_[b].reads, out) != blocks_[b].reads.end())
           reaches[block_of_opamp_[i]][b] = true;
       }
     }
@@ -152,8 +152,7 @@ void RestOrder::make_blocks(const std::function<Block&(int)>& block_at, std::siz
     std::set<int> reads;
     const auto read = [&](const std::string& name) {
       const int one = node(name);
-      if (one != kGround && std::find(block.own.begin(), block.own.end(), one) == block.own.end())
-        reads.insert(one);
+      if (one != kGround && std::ranges::find(block.own, one) == block.own.end()) reads.insert(one);
     };
     for (const std::vector<int>* list : {&block.resistors, &block.diodes}) {
       for (const int i : *list) read(netlist_.part(i).from), read(netlist_.part(i).to);
@@ -164,10 +163,9 @@ void RestOrder::make_blocks(const std::function<Block&(int)>& block_at, std::siz
     const auto place = [&](const std::string& name) {
       const int one = node(name);
       if (one == kGround) return kGroundPlace;
-      const auto here = std::find(block.own.begin(), block.own.end(), one);
+      const auto here = std::ranges::find(block.own, one);
       if (here != block.own.end()) return static_cast<int>(here - block.own.begin());
-      return -1 -
-             static_cast<int>(std::find(block.reads.begin(), block.reads.end(), one) - block.reads.begin());
+      return -1 - static_cast<int>(std::ranges::find(block.reads, one) - block.reads.begin());
     };
     const auto ends = [&](const std::string& from, const std::string& to) {
       return Block::Ends{place(from), place(to)};
@@ -198,7 +196,7 @@ void RestOrder::order() {
   std::vector<bool> block_done(blocks_.size(), false), multiplier_done(netlist_.multipliers.size(), false);
   // True when all of `reads` are known: `step` depends on what they depend on.
   const auto ready = [&](const std::vector<int>& reads, Step& step) {
-    return std::all_of(reads.begin(), reads.end(), [&](int one) {
+    return std::ranges::all_of(reads, [&](int one) {
       const auto found = known.find(one);
       if (found == known.end()) return !is_driven_[at(one)] && step.multiplier < 0;
       step.inputs |= found->second.inputs;
@@ -244,8 +242,7 @@ RestPoint::RestPoint(const RestOrder& order, const Deviations& off, const RestPo
   if (like == nullptr || like->contact_siemens_ != contact_siemens_) return;
   for (std::size_t b = 0; b < known_.size(); ++b) {
     const std::vector<int>& resistors = order.blocks_[b].resistors;
-    if (std::all_of(resistors.begin(), resistors.end(),
-                    [&](int i) { return siemens_[at(i)] == like->siemens_[at(i)]; }))
+    if (std::ranges::all_of(resistors, [&](int i) { return siemens_[at(i)] == like->siemens_[at(i)]; }))
       known_[b] = like->known_[b];
   }
 }
@@ -383,8 +380,7 @@ void RestPoint::settle(int position) {
 double RestPoint::noise_gain(std::size_t opamp) {
   const std::size_t b = order_->block_of_opamp_[opamp];
   const RestOrder::Block& block = order_->blocks_[b];
-  const auto place =
-      std::find(block.opamps.begin(), block.opamps.end(), static_cast<int>(opamp)) - block.opamps.begin();
+  const auto place = std::ranges::find(block.opamps, static_cast<int>(opamp)) - block.opamps.begin();
   return affine(b, conducting_[b])(static_cast<Eigen::Index>(block.passive) + place,
                                    static_cast<Eigen::Index>(block.reads.size()) + place);
 }

@@ -31,7 +31,7 @@ std::string ac_commands(const std::vector<Hertz>& grid, const std::string& vecto
 }
 
 /// "re,im" or, in a table, "re,<tab>im".
-bool parse_complex(std::string_view text, std::vector<std::complex<double>>& to) {
+bool parse_complex(std::string_view text, std::vector<Complex>& to) {
   const auto numbers = split(text, ',');
   double re = 0.0, im = 0.0;
   if (numbers.size() != 2 || !parse_number(trim(numbers[0]), re) || !parse_number(trim(numbers[1]), im))
@@ -41,8 +41,8 @@ bool parse_complex(std::string_view text, std::vector<std::complex<double>>& to)
 }
 
 /// What `print` wrote: "v(out) = re,im" of one frequency, rows "index<tab>frequency<tab>re,<tab>im" of more.
-std::vector<std::complex<double>> printed_values(const std::string& text, const std::string& vector) {
-  std::vector<std::complex<double>> out;
+std::vector<Complex> printed_values(const std::string& text, const std::string& vector) {
+  std::vector<Complex> out;
   const std::string begin = lower_case(vector) + " = ";
   for (const std::string_view line : split(text, '\n')) {
     if (lower_case(line).starts_with(begin)) {
@@ -56,16 +56,15 @@ std::vector<std::complex<double>> printed_values(const std::string& text, const 
 }
 
 /// Solves at every frequency; `head` is the circuit without analysis.
-std::vector<std::complex<double>> run_ac(const std::string& head, const std::string& node,
-                                         const std::string& what, const std::vector<Hertz>& grid,
-                                         const fs::path& folder) {
+std::vector<Complex> run_ac(const std::string& head, const std::string& node, const std::string& what,
+                            const std::vector<Hertz>& grid, const fs::path& folder) {
   require_no_commands(head, what);
   require_plain_node(node, what);
   const std::string vector = "v(" + node + ")";
   const std::string deck = head + "\n.control\nset numdgt=16\nsave " + vector + "\n" +
                            ac_commands(grid, vector) + "quit 0\n.endc\n.end\n";
   const NgspiceOutput ran = run_ngspice_in(folder, deck, what, 60.0 + 0.5 * static_cast<double>(grid.size()));
-  std::vector<std::complex<double>> out = printed_values(ran.out, vector);
+  std::vector<Complex> out = printed_values(ran.out, vector);
   if (out.size() != grid.size()) fail_on_output(what, ran);
   return out;
 }
@@ -118,8 +117,8 @@ std::vector<std::string> voltages(const std::vector<std::string>& nodes) {
 
 }  // namespace
 
-std::vector<std::complex<double>> run_ac_of_sub(const fs::path& library, const std::vector<Hertz>& grid,
-                                                const std::string& subcircuit) {
+std::vector<Complex> run_ac_of_sub(const fs::path& library, const std::vector<Hertz>& grid,
+                                   const std::string& subcircuit) {
   const std::string text = read_file(library);
   require_plain_netlist(text, library);
   if (library.string().find_first_of("\"\n\r") != std::string::npos)
@@ -132,9 +131,8 @@ std::vector<std::complex<double>> run_ac_of_sub(const fs::path& library, const s
                 grid, folder.path());
 }
 
-std::vector<std::complex<double>> run_ac_of_text(const std::string& library, const std::string& name,
-                                                 const std::vector<Hertz>& grid,
-                                                 const std::string& subcircuit) {
+std::vector<Complex> run_ac_of_text(const std::string& library, const std::string& name,
+                                    const std::vector<Hertz>& grid, const std::string& subcircuit) {
   require_plain_text(library, name);
   const std::string top = pick_subcircuit(list_subcircuits(library, name), subcircuit, name);
   const WorkFolder folder;
@@ -142,18 +140,18 @@ std::vector<std::complex<double>> run_ac_of_text(const std::string& library, con
   return run_ac(library_head("library.sub", top), "out", name, grid, folder.path());
 }
 
-std::vector<std::complex<double>> run_ac_of_circuit(const std::string& deck, const std::string& node,
-                                                    const std::vector<Hertz>& grid, const std::string& what) {
+std::vector<Complex> run_ac_of_circuit(const std::string& deck, const std::string& node,
+                                       const std::vector<Hertz>& grid, const std::string& what) {
   const WorkFolder folder;
   return run_ac(deck, node, what, grid, folder.path());
 }
 
-std::vector<std::complex<double>> run_ac_of_deck(const fs::path& path, const std::vector<Hertz>& grid,
-                                                 const std::string& node) {
+std::vector<Complex> run_ac_of_deck(const fs::path& path, const std::vector<Hertz>& grid,
+                                    const std::string& node) {
   const UserDeck deck = read_user_deck(path, node);
   const WorkFolder folder;
-  std::vector<std::complex<double>> out = run_ac(deck.text, deck.node, path.string(), grid, folder.path());
-  for (std::complex<double>& h : out) h /= deck.source;
+  std::vector<Complex> out = run_ac(deck.text, deck.node, path.string(), grid, folder.path());
+  for (Complex& h : out) h /= deck.source;
   return out;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,26 +14,23 @@ namespace bodesmith::ngspice {
 /// V(out)/V(in) of a two-pin subcircuit (`in out`, ground 0) of a library file, small-signal, at every
 /// frequency of the grid. `subcircuit` empty: "compensator" when there is one, otherwise the last with two
 /// pins.
-std::vector<std::complex<double>> run_ac_of_sub(const std::filesystem::path& library,
-                                                const std::vector<Hertz>& grid,
-                                                const std::string& subcircuit = {});
+std::vector<Complex> run_ac_of_sub(const std::filesystem::path& library, const std::vector<Hertz>& grid,
+                                   const std::string& subcircuit = {});
 /// The same for a library that is not on disk yet. `name` is used in messages.
-std::vector<std::complex<double>> run_ac_of_text(const std::string& library, const std::string& name,
-                                                 const std::vector<Hertz>& grid,
-                                                 const std::string& subcircuit = {});
+std::vector<Complex> run_ac_of_text(const std::string& library, const std::string& name,
+                                    const std::vector<Hertz>& grid, const std::string& subcircuit = {});
 
 /// The response of a user's own deck (first line a title, one source with an AC value) at `node`, relative to
 /// that source: its analyses, outputs and .control section are left out, its .include and .lib files are
 /// found beside it. `node` empty: "out" when there is one, otherwise the first v(…) of its .print, .plot,
 /// .save or .probe lines. Throws InputError with file and line.
-std::vector<std::complex<double>> run_ac_of_deck(const std::filesystem::path& deck,
-                                                 const std::vector<Hertz>& grid,
-                                                 const std::string& node = {});
+std::vector<Complex> run_ac_of_deck(const std::filesystem::path& deck, const std::vector<Hertz>& grid,
+                                    const std::string& node = {});
 
 /// V(node) of a deck without analysis and `.end` whose sources have their AC values: small-signal, about its
 /// operating point. `what` leads error messages.
-std::vector<std::complex<double>> run_ac_of_circuit(const std::string& deck, const std::string& node,
-                                                    const std::vector<Hertz>& grid, const std::string& what);
+std::vector<Complex> run_ac_of_circuit(const std::string& deck, const std::string& node,
+                                       const std::vector<Hertz>& grid, const std::string& what);
 
 /// A d.c. sweep: values of the source and the wanted node voltages.
 struct DcSweep {

@@ -40,7 +40,7 @@ bool is_comment(std::string_view line) {
 
 /// Of a section that .lib begins.
 bool is_plain_word(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return is_letter_or_digit(c) || c == '_'; });
+  return std::ranges::all_of(text, [](char c) { return is_letter_or_digit(c) || c == '_'; });
 }
 
 enum class Includes { of_own_folder, none, looked_at };
@@ -95,8 +95,7 @@ class PlainNetlist {
     std::error_code ec;
     const fs::path name = fs::weakly_canonical(path, ec);
     // A section of this very file has been seen.
-    if (!(include->library && !include->section.empty()) &&
-        std::find(open_.begin(), open_.end(), name) != open_.end())
+    if (!(include->library && !include->section.empty()) && std::ranges::find(open_, name) != open_.end())
       throw InputError(file.string(), number,
                        fmt::format("includes {}, which includes this in turn, without end", include->file));
     remember_input(path);
@@ -127,7 +126,7 @@ void require_no_commands(std::string_view text, const std::string& what) {
 }
 
 void require_plain_node(const std::string& node, const std::string& what) {
-  const bool plain = !node.empty() && std::all_of(node.begin(), node.end(), [](unsigned char c) {
+  const bool plain = !node.empty() && std::ranges::all_of(node, [](unsigned char c) {
     return c > 127 || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
            std::string_view("_.:+-#/[]").find(static_cast<char>(c)) != std::string_view::npos;
   });
@@ -184,7 +183,7 @@ fs::path included_file(const IncludeLine& include, const fs::path& netlist, int 
   };
   const fs::path name(include.file);
   if (name.is_absolute() || include.file.front() == '~' ||
-      std::find(name.begin(), name.end(), fs::path("..")) != name.end())
+      std::ranges::find(name, fs::path("..")) != name.end())
     refuse("expected a file in its own folder or below (a copy or a link there)");
   // ngspice ends a name at the first quote of either kind, and that of a .lib at a blank too.
   if (include.file.find_first_of(include.library ? " \t\"'" : "\"'") != std::string::npos)

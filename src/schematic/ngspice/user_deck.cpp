@@ -146,7 +146,7 @@ class UserDeckReader {
   std::filesystem::path path_;
   std::string node_, printed_, text_;
   std::set<std::string> nodes_;
-  std::complex<double> source_;
+  Complex source_;
   int number_ = 0, control_ = 0, source_line_ = 0, depth_ = 0;
   bool ended_ = false;
 };

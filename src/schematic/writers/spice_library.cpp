@@ -220,8 +220,7 @@ Lines model_texts(const SpiceLibrary& library, const SpiceOptions& options) {
                                                            : one->analog_switch));
   }
   if (const Netlist* one = first_with([](const Netlist& n) {
-        return std::any_of(n.parts.begin(), n.parts.end(),
-                           [](const Part& part) { return part.kind == Part::Kind::diode; });
+        return std::ranges::any_of(n.parts, [](const Part& part) { return part.kind == Part::Kind::diode; });
       }))
     out.push_back(diode_model(one->diode));
   if (const Netlist* one = first_with([](const Netlist& n) { return !n.multipliers.empty(); })) {
@@ -236,7 +235,7 @@ Lines model_texts(const SpiceLibrary& library, const SpiceOptions& options) {
   }
   for (const bool fast : {false, true}) {
     const Netlist* one = first_with([&](const Netlist& n) {
-      return std::any_of(n.opamps.begin(), n.opamps.end(), [&](const OpAmp& u) { return u.fast == fast; });
+      return std::ranges::any_of(n.opamps, [&](const OpAmp& u) { return u.fast == fast; });
     });
     if (one == nullptr) continue;
     OpAmpModel model = fast ? one->fast_opamp : one->opamp;
@@ -272,8 +271,7 @@ struct Nodes {
 }  // namespace
 
 const Subcircuit& SpiceLibrary::subcircuit(const std::string& name) const {
-  const auto at = std::find_if(subcircuits.begin(), subcircuits.end(),
-                               [&](const Subcircuit& one) { return one.name == name; });
+  const auto at = std::ranges::find(subcircuits, name, &Subcircuit::name);
   if (at == subcircuits.end()) throw InputError(title + ": has no subcircuit " + name);
   return *at;
 }
@@ -292,7 +290,7 @@ Netlist SpiceLibrary::flat(const std::string& name, std::size_t depth) const {
     const auto place = [&](auto& one) {
       one.group += out.groups.size();
       for (std::string* node : Nodes()(one)) {
-        const auto pin = std::find(of.pins.begin(), of.pins.end(), *node);
+        const auto pin = std::ranges::find(of.pins, *node);
         if (pin != of.pins.end()) {
           *node = instance.nodes[static_cast<std::size_t>(pin - of.pins.begin())];
         } else if (*node != "0") {

@@ -423,8 +423,8 @@ class Reader {
     return number(found[1]);
   }
   static std::string line_with(const Words& body, const std::string& begin) {
-    const auto at = std::find_if(body.begin(), body.end(),
-                                 [&](const std::string& line) { return line.starts_with(begin); });
+    const auto at =
+        std::ranges::find_if(body, [&](const std::string& line) { return line.starts_with(begin); });
     return at == body.end() ? std::string() : *at;
   }
 

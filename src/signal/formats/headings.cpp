@@ -394,7 +394,7 @@ std::vector<Heading> parse_headings(const std::vector<std::string>& texts) {
     }
   }
   // "X (Second)", "Elapsed Time (ms)", "in s": the first column's unit says what it is where all others are signals.
-  const bool signals = std::all_of(out.begin(), out.end(), [](const Heading& h) {
+  const bool signals = std::ranges::all_of(out, [](const Heading& h) {
     return h.quantity == Quantity::signal || (h.quantity == Quantity::magnitude && h.level);
   });
   const auto seconds = signals ? time_scale(out.front().unit) : std::nullopt;

@@ -153,7 +153,7 @@ class LayoutReader {
 
   void scale_codes(Words& words) {
     std::vector<double>& values = table_.columns.back();
-    if (!std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); })) return;
+    if (!std::ranges::all_of(values, [](double v) { return v == std::floor(v); })) return;
     const double volts = number_of(layout_.code_key) / kCodesPerDivision;
     for (double& value : values) value *= volts;
     words.notes.push_back(fmt::format("codes of {}", engineering_text(volts, "V", 6)));

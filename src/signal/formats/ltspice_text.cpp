@@ -23,7 +23,7 @@ struct LtspiceTable {
   bool over_time = false;
   std::vector<std::string> names;
   std::vector<double> axis;
-  std::vector<std::vector<std::complex<double>>> values;
+  std::vector<std::vector<Complex>> values;
   std::vector<int> lines;
   std::size_t runs = 0;
 };
@@ -72,7 +72,7 @@ class LtspiceReader {
       fail(fmt::format("has {} cells, expected {} as in the header", cells.size(), table_.names.size() + 1));
     double at = 0.0;
     if (!parse_number(cells[0], at)) fail(fmt::format("'{}' is not a finite number", cells[0].substr(0, 40)));
-    std::vector<std::complex<double>> row;
+    std::vector<Complex> row;
     for (std::size_t i = 1; i < cells.size(); ++i) row.push_back(value(trim(cells[i])));
     if (std::max<std::size_t>(table_.runs, 1) != wanted_run_) return;
     table_.axis.push_back(at);
@@ -80,7 +80,7 @@ class LtspiceReader {
     for (std::size_t i = 0; i < row.size(); ++i) table_.values[i].push_back(row[i]);
   }
 
-  std::complex<double> value(std::string_view cell) const {
+  Complex value(std::string_view cell) const {
     const auto broken = [&] {
       fail(fmt::format("'{}' is neither a number nor (…dB,…°) nor real,imaginary", cell.substr(0, 60)));
     };
@@ -143,7 +143,7 @@ class LtspiceText : public Format {
     std::vector<SignalTrace> signals;
     for (std::size_t i = 0; i < table.names.size(); ++i) {
       signals.push_back({table.names[i], {}});
-      for (const std::complex<double>& v : table.values[i]) signals.back().values.push_back(v.real());
+      for (const Complex& v : table.values[i]) signals.back().values.push_back(v.real());
     }
     return record_columns(chosen, std::move(words), std::move(table.axis),
                           choose_signals(chosen, std::move(signals)), std::move(table.lines),

@@ -233,7 +233,7 @@ std::vector<MatVector> read_vectors(const Source& source) {
           fmt::format("holds a variable '{}' that is damaged", variable->name ? variable->name : ""));
     collect(variable.get(), "", out, 0);
   }
-  if (std::all_of(out.begin(), out.end(), [](const MatVector& v) { return !v.unusable.empty(); })) {
+  if (std::ranges::all_of(out, [](const MatVector& v) { return !v.unusable.empty(); })) {
     throw InputError(source.file, 0,
                      out.empty()
                          ? std::string("holds no vectors of numbers")

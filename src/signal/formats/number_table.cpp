@@ -109,8 +109,7 @@ bool parse_row(const std::vector<std::string_view>& cells, char decimal, std::ve
 }
 
 std::size_t cells_used(const std::vector<double>& row) {
-  return static_cast<std::size_t>(
-      std::count_if(row.begin(), row.end(), [](double v) { return !std::isnan(v); }));
+  return static_cast<std::size_t>(std::ranges::count_if(row, [](double v) { return !std::isnan(v); }));
 }
 
 /// Rows may end with more or fewer separators than the first one.
@@ -122,7 +121,7 @@ void fit_empty_end(std::vector<double>& row, std::size_t columns) {
 bool is_grouped(std::string_view cell, char sign) {
   const std::size_t at = cell.find(sign);
   return at != std::string_view::npos && at >= 1 && at <= 3 && cell.size() == at + 4 && cell.front() != '0' &&
-         std::all_of(cell.begin(), cell.end(), [&](char c) { return is_digit(c) || c == sign; });
+         std::ranges::all_of(cell, [&](char c) { return is_digit(c) || c == sign; });
 }
 
 /// Whether every decimal sign of the rows may as well stand between thousands: "1,000;3", "20,000;-1".
@@ -208,8 +207,8 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
   // A first column may be empty, or full.
   const std::vector<double>& first = table.columns.front();
   const auto empty = [](double v) { return std::isnan(v); };
-  if (const auto at = std::find_if(first.begin(), first.end(), empty);
-      at != first.end() && !std::all_of(first.begin(), first.end(), empty)) {
+  if (const auto at = std::ranges::find_if(first, empty);
+      at != first.end() && !std::ranges::all_of(first, empty)) {
     out.broken_line = table.lines[static_cast<std::size_t>(at - first.begin())];
     out.why = "has no first number";
   }
@@ -242,8 +241,8 @@ bool names_quantities(std::string_view comment) {
 }
 
 bool is_ornament(std::string_view line) {
-  return std::none_of(line.begin(), line.end(),
-                      [](char c) { return is_letter_or_digit(c) || static_cast<unsigned char>(c) > 0x7f; });
+  return std::ranges::none_of(
+      line, [](char c) { return is_letter_or_digit(c) || static_cast<unsigned char>(c) > 0x7f; });
 }
 
 bool begins_bracket(std::string_view cell) {
@@ -252,8 +251,7 @@ bool begins_bracket(std::string_view cell) {
 
 /// "[um]", "dB", "#": a cell of a line of units; at least one of them is a unit that is known.
 bool is_unit_line(const std::vector<std::string>& cells) {
-  return std::any_of(cells.begin(), cells.end(), is_unit_alone) &&
-         std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
+  return std::ranges::any_of(cells, is_unit_alone) && std::ranges::all_of(cells, [](const std::string& cell) {
            return cell.empty() || cell == "#" || cell == "-" || begins_bracket(cell) || is_unit_alone(cell);
          });
 }
@@ -313,7 +311,7 @@ std::vector<std::string> headings_in(std::string_view line, char separator, std:
 void drop_empty_columns(NumberTable& table, bool at_end_only) {
   for (std::size_t c = table.columns.size(); c-- > 0;) {
     const auto& column = table.columns[c];
-    if (!std::all_of(column.begin(), column.end(), [](double v) { return std::isnan(v); })) {
+    if (!std::ranges::all_of(column, [](double v) { return std::isnan(v); })) {
       if (at_end_only) return;
       continue;
     }

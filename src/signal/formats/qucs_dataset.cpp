@@ -72,9 +72,8 @@ std::vector<Vector> vectors_of(const Source& source) {
 }
 
 const Vector* axis_of(const std::vector<Vector>& all, std::string_view ending) {
-  const auto found = std::find_if(all.begin(), all.end(), [&](const Vector& v) {
-    return v.over.empty() && lower_case(v.name).ends_with(ending);
-  });
+  const auto found = std::ranges::find_if(
+      all, [&](const Vector& v) { return v.over.empty() && lower_case(v.name).ends_with(ending); });
   return found == all.end() ? nullptr : &*found;
 }
 

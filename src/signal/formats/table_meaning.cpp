@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <initializer_list>
 #include <numbers>
 #include <optional>
@@ -111,9 +110,8 @@ std::size_t chosen_column(const Source& source, const std::vector<Heading>& head
   const auto ranks_below = [&](std::size_t a, std::size_t b) {
     return rank_of(headings[a]) < rank_of(headings[b]);
   };
-  const std::size_t best = *std::min_element(all.places.begin(), all.places.end(), ranks_below);
-  const auto equal = std::count_if(all.places.begin(), all.places.end(),
-                                   [&](std::size_t i) { return !ranks_below(best, i); });
+  const std::size_t best = *std::ranges::min_element(all.places, ranks_below);
+  const auto equal = std::ranges::count_if(all.places, [&](std::size_t i) { return !ranks_below(best, i); });
   if (equal > 1)
     throw InputError(source.file, 0,
                      fmt::format("holds {}: choose one as FILE:NAME, or a quotient as FILE:NAME/NAME",
@@ -145,7 +143,7 @@ std::optional<std::size_t> imaginary_of(const std::vector<Heading>& headings, st
 
 ResponseTrace complex_trace(const NumberTable& table, const std::vector<Heading>& headings, std::size_t real,
                             std::size_t imaginary, Words& words) {
-  std::vector<std::complex<double>> response(table.rows());
+  std::vector<Complex> response(table.rows());
   for (std::size_t i = 0; i < response.size(); ++i)
     response[i] = {headings[real].scale * table.columns[real][i],
                    headings[imaginary].scale * table.columns[imaginary][i]};
@@ -185,9 +183,8 @@ void leave_out_empty(NumberTable& table, std::initializer_list<std::optional<std
                      Words& words) {
   std::vector<std::size_t> kept;
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    const bool empty = std::any_of(used.begin(), used.end(), [&](const auto& column) {
-      return column && std::isnan(table.columns[*column][row]);
-    });
+    const bool empty = std::ranges::any_of(
+        used, [&](const auto& column) { return column && std::isnan(table.columns[*column][row]); });
     if (!empty) kept.push_back(row);
   }
   if (kept.size() == table.rows()) return;
@@ -358,7 +355,7 @@ Foreign record_of(const Source& source, NumberTable table, const std::vector<Hea
     if (headings[i].quantity == Quantity::time || counts_rows(headings[i].text, table.columns[i])) continue;
     if (i > 0 && headings[i].quantity == Quantity::imaginary && headings[i].text == headings[i - 1].text) {
       const auto& imaginary = table.columns[i];
-      const auto other = std::find_if(imaginary.begin(), imaginary.end(), [](double v) { return v != 0.0; });
+      const auto other = std::ranges::find_if(imaginary, [](double v) { return v != 0.0; });
       if (other != imaginary.end())
         throw InputError(source.file, table.lines[static_cast<std::size_t>(other - imaginary.begin())],
                          fmt::format("'{}' is complex, expected signals over time", headings[i].text));
@@ -397,10 +394,9 @@ std::vector<double> degrees_of(const Source& source, std::string_view name, std:
                                std::string_view instead, Words& words) {
   const bool radians = source.choice == "rad";
   // Two turns: radians that were unwrapped are told from degrees as well.
-  const bool small = std::all_of(values.begin(), values.end(), [](double v) {
-    return std::isnan(v) || std::abs(v) <= 4.0 * std::numbers::pi;
-  });
-  const bool zero = std::all_of(values.begin(), values.end(), [](double v) { return !(v != 0.0); });
+  const bool small = std::ranges::all_of(
+      values, [](double v) { return std::isnan(v) || std::abs(v) <= 4.0 * std::numbers::pi; });
+  const bool zero = std::ranges::all_of(values, [](double v) { return !(v != 0.0); });
   if (small && !zero && !radians && source.choice != "deg")
     throw InputError(
         source.file, 0,

@@ -170,10 +170,10 @@ std::size_t default_response(const Source& source, const std::vector<std::string
 
 }  // namespace
 
-ResponseTrace to_trace(std::string name, const std::vector<std::complex<double>>& response) {
+ResponseTrace to_trace(std::string name, const std::vector<Complex>& response) {
   ResponseTrace trace;
   trace.name = std::move(name);
-  for (const std::complex<double>& h : response) {
+  for (const Complex& h : response) {
     trace.magnitude_db.push_back(to_decibel(std::abs(h)));
     trace.phase_deg.push_back(to_degrees(std::arg(h)));
   }
@@ -213,8 +213,8 @@ Foreign response_columns(const Source& source, Words words, std::vector<double> 
   validate_finite(source, lines, trace.magnitude_db, "magnitude");
   validate_finite(source, lines, trace.phase_deg, "phase");
   if (frequency_hz.size() > 1 && std::is_sorted(frequency_hz.rbegin(), frequency_hz.rend())) {
-    for (auto* column : columns) std::reverse(column->begin(), column->end());
-    std::reverse(lines.begin(), lines.end());
+    for (auto* column : columns) std::ranges::reverse(*column);
+    std::ranges::reverse(lines);
     words.notes.push_back("falling sweep turned round");
   }
   Foreign out;
@@ -298,7 +298,7 @@ Choice split_choice(std::string_view choice) {
 }
 
 ResponseTrace choose_response(const Source& source, const std::vector<std::string>& names,
-                              const std::vector<std::vector<std::complex<double>>>& values) {
+                              const std::vector<std::vector<Complex>>& values) {
   if (names.empty()) throw InputError(source.file, 0, "holds frequencies and nothing else");
   if (source.choice.empty()) {
     const std::size_t i = default_response(source, names);
@@ -312,7 +312,7 @@ ResponseTrace choose_response(const Source& source, const std::vector<std::strin
   const std::size_t above = require_name(source, names, choice.first);
   if (choice.between == 0) return to_trace(names[above], values[above]);
   const std::size_t below = require_name(source, names, choice.second);
-  std::vector<std::complex<double>> quotient = values[above];
+  std::vector<Complex> quotient = values[above];
   for (std::size_t i = 0; i < quotient.size(); ++i) quotient[i] /= values[below][i];
   return to_trace(names[above] + "/" + names[below], quotient);
 }

@@ -46,7 +46,7 @@ class WaveformsCsv : public Format {
     NumberTable table = read_table(source);
     Words words{std::string(name()), {}};
     const std::vector<Heading> headings = parse_headings(table.headings);
-    if (source.choice.empty() && std::any_of(table.above.begin(), table.above.end(), is_spectrum))
+    if (source.choice.empty() && std::ranges::any_of(table.above, is_spectrum))
       throw InputError(
           source.file, table.lines.front(),
           "begins a spectrum, expected a response of the network analyser (FILE:NAME/NAME is one trace "

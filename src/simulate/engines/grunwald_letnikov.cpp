@@ -105,7 +105,7 @@ class GrunwaldLetnikovEngine final : public ChainEngine {
     const std::vector<double> y = convolved(impulse_response(transfer, h, fine), x);
     // Offsets and drifts: what the chain makes of no input.
     TimeRecord silence = input;
-    std::fill(silence.u.begin(), silence.u.end(), 0.0);
+    std::ranges::fill(silence.u, 0.0);
     Options plain;
     plain.estimate_error = false;
     Result out = run_record(chain, silence, plain);

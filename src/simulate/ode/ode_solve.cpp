@@ -31,11 +31,11 @@ std::vector<double> stop_times(const OdeSystem& system) {
   const double last = system.input().end();
   std::vector<double> out = system.corners();
   std::erase_if(out, [&](double t) { return t <= first || t >= last; });
-  std::sort(out.begin(), out.end());
+  std::ranges::sort(out);
   if (system.sample_period() > 0.0) {
     const auto edges = clock_edges(first, last, system.sample_period(), out);
     out.insert(out.end(), edges.begin(), edges.end());
-    std::sort(out.begin(), out.end());
+    std::ranges::sort(out);
   }
   out.erase(std::unique(out.begin(), out.end()), out.end());
   out.push_back(last);

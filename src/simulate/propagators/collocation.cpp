@@ -239,7 +239,7 @@ void CollocationPropagator::cover(const chain::OdeKernel& system, std::size_t in
     // The finest level's last iterate is what there is.
     if (!std::isfinite(*last_state)) {
       outcome_ = Outcome::not_finite;
-      std::fill(states_.begin(), states_.end(), 0.0);
+      std::ranges::fill(states_, 0.0);
     }
   }
   write_outputs(system.linear(), p, u, y);

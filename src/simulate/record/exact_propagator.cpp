@@ -29,7 +29,7 @@ ExactPropagator::ExactPropagator(ModalSystem system, double step_s)
 }
 
 void ExactPropagator::reset() {
-  std::fill(state_.begin(), state_.end(), Mode());
+  std::ranges::fill(state_, Mode());
 }
 
 void ExactPropagator::rest_under(double u) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -42,7 +41,7 @@ class ExactPropagator {
   const ModalSystem& system() const { return system_; }
 
  private:
-  using Mode = std::complex<double>;
+  using Mode = Complex;
   static constexpr std::size_t kTaylor = 20;
   static constexpr std::size_t kBlock = 8;
   void polynomial_of(const Segment& segment);

@@ -13,7 +13,7 @@
 namespace bodesmith::simulate {
 namespace {
 
-using ModalComplex = std::complex<double>;
+using ModalComplex = Complex;
 
 /// Of the modes' sum, and of the transform itself, which initial states and constants pass through.
 constexpr double kMaxPairCondition = 1e4;
@@ -26,7 +26,7 @@ double one_norm(const Eigen::MatrixXd& m) {
 /// Rows of T: left eigenvectors, the real ones first, then real and imaginary part of one of each pair.
 struct LeftModes {
   Eigen::MatrixXd rows;
-  std::vector<std::complex<double>> poles;  ///< real ones, then one of each pair
+  std::vector<Complex> poles;  ///< real ones, then one of each pair
   std::size_t real = 0;
 };
 
@@ -42,14 +42,14 @@ std::optional<LeftModes> left_modes(const StateSpace& system) {
   const Eigen::MatrixXcd& vectors = modes->vectors;
   Eigen::Index row = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
-    const std::complex<double> p = modes->values(k);
+    const Complex p = modes->values(k);
     if (p.imag() != 0.0) continue;
     out.poles.push_back(p);
     out.rows.row(row++) = vectors.col(k).real().transpose();
   }
   out.real = out.poles.size();
   for (Eigen::Index k = 0; k < n; ++k) {
-    const std::complex<double> p = modes->values(k);
+    const Complex p = modes->values(k);
     if (!(p.imag() > 0.0)) continue;
     out.poles.push_back(p);
     out.rows.row(row++) = vectors.col(k).real().transpose();
@@ -178,7 +178,7 @@ std::optional<ModalPairs> modal_pairs(const StateSpace& system) {
   sum.poles = modes->poles;
   pairs.slowest_rad_s = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < modes->poles.size(); ++k) {
-    const std::complex<double> p = modes->poles[k];
+    const Complex p = modes->poles[k];
     pairs.slowest_rad_s = std::min(pairs.slowest_rad_s, -p.real());
     if (k < modes->real) {
       pairs.blocks[2 * k + (k % 2)] = p.real();  // element (k % 2, k % 2) of its block
@@ -192,8 +192,8 @@ std::optional<ModalPairs> modal_pairs(const StateSpace& system) {
     block[2] = p.imag();
     pairs.coupled = true;
     // (w1, w2) as the complex w1 + j w2, which obeys w' = p w + (b1 + j b2) u; y = Re((c1 - j c2) w).
-    sum.residues.push_back(0.5 * std::complex<double>(pairs.b[first], pairs.b[first + 1]) *
-                           std::complex<double>(pairs.c[first], -pairs.c[first + 1]));
+    sum.residues.push_back(0.5 * Complex(pairs.b[first], pairs.b[first + 1]) *
+                           Complex(pairs.c[first], -pairs.c[first + 1]));
   }
   sum.find_condition();
   pairs.condition = sum.condition;

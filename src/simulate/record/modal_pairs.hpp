@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -13,8 +12,8 @@ namespace bodesmith::simulate {
 /// complex mode).
 struct ModalSystem {
   double direct = 0.0;
-  std::vector<std::complex<double>> poles;  ///< one of each pair, imaginary part >= 0
-  std::vector<std::complex<double>> residues;
+  std::vector<Complex> poles;  ///< one of each pair, imaginary part >= 0
+  std::vector<Complex> residues;
   /// sum |r_k/p_k| over the largest |H| seen at its own corners: how many times larger the modes are than
   /// what they add up to. Rounding is that much worse; near-equal poles make it large.
   double condition = 1.0;

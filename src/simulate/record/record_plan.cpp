@@ -126,7 +126,7 @@ HoldPlan plan_holds(const std::vector<RecordStage>& stages, const std::vector<Ke
       cuts.insert(cuts.end(), {{at, delay - whole}, {at, 1.0}, {at + 1, 1.0}});
     }
   }
-  std::sort(cuts.begin(), cuts.end());
+  std::ranges::sort(cuts);
   const std::size_t parts = std::min(kParts, cuts.empty() ? 1 : intervals / cuts.size() + 1);
   HoldPlan out;
   out.ends.reserve(intervals);

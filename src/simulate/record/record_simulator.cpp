@@ -29,8 +29,7 @@ using chain::SampledKernel;
 using chain::SourceKernel;
 
 bool is_silent(const LinearKernel& k, const std::vector<double>& x) {
-  return k.offset == 0.0 && k.constant.empty() &&
-         std::all_of(x.begin(), x.end(), [](double v) { return v == 0.0; });
+  return k.offset == 0.0 && k.constant.empty() && std::ranges::all_of(x, [](double v) { return v == 0.0; });
 }
 
 /// Output of a linear kernel at rest under u; adds its states at rest to x.
@@ -125,7 +124,7 @@ struct RecordSimulator::Implementation {
     return std::holds_alternative<std::unique_ptr<SampledKernel>>(slots[stage.first].kernel());
   }
   bool has_sampled() const {
-    return std::any_of(stages.begin(), stages.end(), [&](const RecordStage& s) { return is_sampled(s); });
+    return std::ranges::any_of(stages, [&](const RecordStage& s) { return is_sampled(s); });
   }
 
   void spread_input(std::span<const double> u, const Run& run) {
@@ -151,7 +150,7 @@ struct RecordSimulator::Implementation {
   /// between them, and what works value by value.
   bool needs_samples_only() const {
     if (options.degree != 0 || options.oversample != 1 || degree != 1) return false;
-    return std::all_of(stages.begin(), stages.end(), [&](const RecordStage& stage) {
+    return std::ranges::all_of(stages, [&](const RecordStage& stage) {
       if (!stage.linear) {
         const auto& kernel = slots[stage.first].kernel();
         return std::holds_alternative<std::unique_ptr<CurveKernel>>(kernel) ||
@@ -392,7 +391,7 @@ struct RecordSimulator::Implementation {
     run_linear(linear_of(stage), k, run, signal.data(), other.data(), main_state.data(), before);
     if (delayed && !is_silent(stage.beside, beside_state)) {
       // `signal` is free now.
-      std::fill(signal.begin(), signal.end(), 0.0);
+      std::ranges::fill(signal, 0.0);
       third.resize(signal.size());
       run_linear(linear_of(stage, 1), stage.beside, run, signal.data(), third.data(), beside_state.data(),
                  0.0);

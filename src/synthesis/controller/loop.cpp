@@ -53,13 +53,11 @@ std::vector<LoopPoint> loop_points(const DisturbanceCircuit& c) {
     std::vector<LoopPoint> seen;
     for (const Hertz f : operating) {
       const double gain = c.curve ? c.curve->value(branch, f) : 1.0;
-      if (std::none_of(seen.begin(), seen.end(),
-                       [&](const LoopPoint& one) { return std::abs(one.rate_gain - gain) < 1e-6; }))
+      if (std::ranges::none_of(seen,
+                               [&](const LoopPoint& one) { return std::abs(one.rate_gain - gain) < 1e-6; }))
         seen.push_back({branch, 0.0, f, gain});
     }
-    const auto greatest =
-        std::max_element(seen.begin(), seen.end(),
-                         [](const LoopPoint& a, const LoopPoint& b) { return a.rate_gain < b.rate_gain; });
+    const auto greatest = std::ranges::max_element(seen, {}, &LoopPoint::rate_gain);
     const auto add = [&](LoopPoint point, double stroke) {
       point.stroke = stroke;
       for (int i = 0; i <= 4; ++i) {
@@ -92,8 +90,8 @@ LoopAt look_at(const DisturbanceCircuit& controller, const LoopPoint& point, con
   const bool fed = controller.form == Form::self_fed;
   LoopAt out;
   out.point = point;
-  std::vector<std::complex<double>> loop;
-  std::vector<std::vector<std::complex<double>>> own(netlist.opamps.size());
+  std::vector<Complex> loop;
+  std::vector<std::vector<Complex>> own(netlist.opamps.size());
   for (const Hertz f : grid) {
     loop.push_back(fed ? -cut.response(f.rad_s(), "v") : 0.0);
     out.greatest_gain = std::max(out.greatest_gain, std::abs(loop.back()));
@@ -103,9 +101,8 @@ LoopAt look_at(const DisturbanceCircuit& controller, const LoopPoint& point, con
   const LoopMargins of_generator = loop_margins(grid, loop);
   out.gain_margin_db = of_generator.gain_margin_db().value_or(0.0);
   out.nearest = 1.0 / of_generator.max_sensitivity;
-  const auto narrow = std::find_if(loop.begin(), loop.end(), [&](const std::complex<double>& one) {
-    return std::abs(one) < std::abs(loop.front()) / std::numbers::sqrt2;
-  });
+  const auto narrow = std::ranges::find_if(
+      loop, [&](const Complex& one) { return std::abs(one) < std::abs(loop.front()) / std::numbers::sqrt2; });
   out.bandwidth = narrow == loop.end() ? grid.back() : grid[static_cast<std::size_t>(narrow - loop.begin())];
   for (std::size_t k = 0; k < own.size(); ++k) {
     const schematic::OpAmp& u = netlist.opamps[k];
@@ -161,26 +158,25 @@ std::string with_cut_opamp(const DisturbanceCircuit& controller, std::string lib
   return library + "\n" + macro;
 }
 
-std::vector<std::complex<double>> opamp_ratio(const DisturbanceCircuit& controller, const std::string& opamp,
-                                              const LoopPoint& point, const std::vector<Hertz>& grid) {
+std::vector<Complex> opamp_ratio(const DisturbanceCircuit& controller, const std::string& opamp,
+                                 const LoopPoint& point, const std::vector<Hertz>& grid) {
   const std::string library = with_cut_opamp(controller, open_library(controller, point), opamp);
   std::string deck =
       open_deck(controller, library, point, bias_of(controller, point).reference_v, level(point.branch));
   // The generator reads its own drive (or the reference).
   deck += controller.form == Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
-  std::vector<std::complex<double>> out =
-      ngspice::run_ac_of_circuit(deck, "xc.x" + opamp + ".y", grid, "controller.sub");
-  for (std::complex<double>& y : out) y = -y / (1.0 + y);
+  std::vector<Complex> out = ngspice::run_ac_of_circuit(deck, "xc.x" + opamp + ".y", grid, "controller.sub");
+  for (Complex& y : out) y = -y / (1.0 + y);
   return out;
 }
 
-std::vector<std::complex<double>> generator_loop(const DisturbanceCircuit& controller, const LoopPoint& point,
-                                                 const std::vector<Hertz>& grid) {
+std::vector<Complex> generator_loop(const DisturbanceCircuit& controller, const LoopPoint& point,
+                                    const std::vector<Hertz>& grid) {
   std::string deck = open_deck(controller, open_library(controller, point), point,
                                bias_of(controller, point).reference_v, level(point.branch));
   deck += fmt::format("Vx x 0 {} ac 1\n", plain_number(point.v));
-  std::vector<std::complex<double>> out = ngspice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
-  for (std::complex<double>& t : out) t = -t;
+  std::vector<Complex> out = ngspice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
+  for (Complex& t : out) t = -t;
   return out;
 }
 
@@ -277,8 +273,7 @@ LoopBias bias_of(const DisturbanceCircuit& controller, const LoopPoint& point) {
   return out;
 }
 
-std::complex<double> generator_loop_gain(const DisturbanceCircuit& controller, const LoopPoint& point,
-                                         RadPerSecond w) {
+Complex generator_loop_gain(const DisturbanceCircuit& controller, const LoopPoint& point, RadPerSecond w) {
   if (controller.form != Form::self_fed) return 0.0;
   return -cut_loop(controller, point).response(w, "v");
 }
@@ -387,10 +382,8 @@ LoopStability checked_loop_stability(const DisturbanceCircuit& controller) {
   checked.margin_deg = margins.phase_margin_deg();
   if (const auto* least = margins.least_phase_margin()) checked.crossing = least->frequency;
   if (controller.form == Form::self_fed) {
-    const auto worst = std::max_element(out.at.begin(), out.at.end(), [](const LoopAt& a, const LoopAt& b) {
-      return a.greatest_gain < b.greatest_gain;
-    });
-    const std::vector<std::complex<double>> t = generator_loop(controller, worst->point, grid);
+    const auto worst = std::ranges::max_element(out.at, {}, &LoopAt::greatest_gain);
+    const std::vector<Complex> t = generator_loop(controller, worst->point, grid);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       checked.greatest_gain = std::max(checked.greatest_gain, std::abs(t[i]));
       checked.greatest_difference =

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <map>
 #include <optional>
 #include <string>
@@ -84,8 +83,7 @@ struct LoopBias {
 LoopBias bias_of(const DisturbanceCircuit& controller, const LoopPoint& point);
 
 /// The generator's loop at a point, -v for 1 V at what reads it, cut there; 0 where the generator is not fed by its drive.
-std::complex<double> generator_loop_gain(const DisturbanceCircuit& controller, const LoopPoint& point,
-                                         RadPerSecond w);
+Complex generator_loop_gain(const DisturbanceCircuit& controller, const LoopPoint& point, RadPerSecond w);
 
 /// What to change when the margin is below kGoodMarginDeg; empty when it is not.
 std::string loop_warning(const LoopStability& loop);

@@ -142,7 +142,7 @@ CompensatorCheck check_compensator(const Circuit& circuit, const Sections& wante
   const auto network = circuit.opamp.is_ideal
                            ? schematic::network_response(circuit, grid, {.ideal_opamps = true})
                            : schematic::network_response(circuit, grid);
-  std::vector<std::complex<double>> target;
+  std::vector<Complex> target;
   for (const Hertz f : grid) target.push_back(wanted.response(f.rad_s()));
   out.against_network = compare_responses(grid, got, network);
   out.against_sections = compare_responses(grid, got, target);

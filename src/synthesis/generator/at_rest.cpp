@@ -181,7 +181,7 @@ std::vector<double> curve(AtRest at, std::size_t branch, const std::vector<doubl
 double AtRest::noise_gain(int opamp) {
   const std::string& name = wiring_->circuit.op(opamp).name;
   const std::vector<OpAmp>& all = wiring_->generator.netlist().opamps;
-  const auto at = std::find_if(all.begin(), all.end(), [&](const OpAmp& one) { return one.name == name; });
+  const auto at = std::ranges::find(all, name, &OpAmp::name);
   return generator_.noise_gain(static_cast<std::size_t>(at - all.begin()));
 }
 

@@ -74,11 +74,9 @@ class Budgeting {
   }
 
   void sort() {
-    const auto size = [](const BudgetLine& one) {
-      return *std::max_element(one.percent.begin(), one.percent.end());
-    };
-    std::stable_sort(lines.begin(), lines.end(),
-                     [&](const BudgetLine& a, const BudgetLine& b) { return size(a) > size(b); });
+    const auto size = [](const BudgetLine& one) { return *std::ranges::max_element(one.percent); };
+    std::ranges::stable_sort(lines,
+                             [&](const BudgetLine& a, const BudgetLine& b) { return size(a) > size(b); });
   }
 
   std::vector<BudgetLine> lines;
@@ -150,7 +148,7 @@ void add_nodes(DisturbanceCircuit& layout) {
   for (const Multiplier& one : layout.multipliers) nodes.push_back({one.out, one.role});
   for (const schematic::OpAmp& one : layout.opamps) {
     // A rectifier's op-amp stands a diode's voltage beyond what it makes.
-    const bool rectifies = std::any_of(layout.parts.begin(), layout.parts.end(), [&](const Part& part) {
+    const bool rectifies = std::ranges::any_of(layout.parts, [&](const Part& part) {
       return part.kind == Part::Kind::diode && (part.from == one.out || part.to == one.out);
     });
     if (!one.fast && !rectifies && one.out != "out") nodes.push_back({one.out, one.role});

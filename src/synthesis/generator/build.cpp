@@ -64,7 +64,7 @@ double Builder::gain_limit(std::size_t b, bool greatest) const {
   if (is_open() || !options_.rates) return 1.0;
   const std::vector<double>& k = out_.disturbance.rate.of(kBranches[b]);
   if (k.empty()) return 1.0;
-  return greatest ? *std::max_element(k.begin(), k.end()) : *std::min_element(k.begin(), k.end());
+  return greatest ? *std::ranges::max_element(k) : *std::ranges::min_element(k);
 }
 
 std::vector<BranchGain*> Builder::gains(BranchGain Branch::*which) {

@@ -111,7 +111,7 @@ void Builder::branch(Pass& pass, std::size_t number, const Powers& powers) {
   std::string inner;
   for (int j = count - 1; j >= 0; --j) {
     const std::vector<double> a = group_coefficients(b.wanted, j);
-    const bool zero = std::all_of(a.begin(), a.end(), [](double one) { return one == 0.0; });
+    const bool zero = std::ranges::all_of(a, [](double one) { return one == 0.0; });
     std::string added = "0";
     const double volts = gain * chain_scale(j);
     if (!zero) {

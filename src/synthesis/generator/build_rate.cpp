@@ -30,7 +30,7 @@ void add_inside(double low, double high, std::size_t pieces, const std::vector<H
   for (const Hertz f : tracked) {
     if (f.value > low * 1.02 && f.value < high / 1.02) inside.push_back(f.value);
   }
-  std::sort(inside.begin(), inside.end());
+  std::ranges::sort(inside);
   if (inside.size() + 1 == pieces) {
     for (const double f : inside) out.push_back(Hertz{f});
     return;

@@ -81,7 +81,7 @@ Candidate measure(const DisturbanceCircuit& layout, int group, int degree) {
     out.depth = std::max(out.depth, depth[m.out]);
   }
   const Budget budget = make_budget(layout);
-  out.rss_percent = *std::max_element(budget.rss_percent.begin(), budget.rss_percent.end());
+  out.rss_percent = *std::ranges::max_element(budget.rss_percent);
   const double lag =
       out.depth / layout.multiplier.bandwidth.rad_s().value +
       (layout.noise_gain + 1.0 + 1.0 / layout.branch_gain) / layout.opamp.gain_bandwidth.rad_s().value;
@@ -95,8 +95,7 @@ DisturbanceCircuit make_layout(const Input& input, const Options& options) {
   check(input, options);
   const Input full_strokes{input.branches, {}};
   const std::vector<Candidate> candidates = compare_schemes(full_strokes, options);
-  const auto chosen =
-      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& one) { return one.chosen; });
+  const auto chosen = std::ranges::find_if(candidates, [](const Candidate& one) { return one.chosen; });
   const auto made = [&](const Input& which) {
     // Asked for, but it cannot be made: building it says why.
     DisturbanceCircuit out =
@@ -217,9 +216,7 @@ std::vector<Candidate> compare_schemes(const Input& input, const Options& option
   }
   // None is fast enough: the most accurate.
   if (best == nullptr) {
-    best = &*std::min_element(out.begin(), out.end(), [](const Candidate& a, const Candidate& b) {
-      return a.rss_percent < b.rss_percent;
-    });
+    best = &*std::ranges::min_element(out, {}, &Candidate::rss_percent);
   }
   best->chosen = true;
   return out;

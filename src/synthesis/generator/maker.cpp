@@ -82,8 +82,7 @@ double Powers::level(int power, const schematic::MultiplierModel& multiplier) co
 }
 
 void GeneratorMaker::enter(const std::string& title, Purpose purpose) {
-  const auto at = std::find_if(to_.groups.begin(), to_.groups.end(),
-                               [&](const schematic::Group& one) { return one.title == title; });
+  const auto at = std::ranges::find(to_.groups, title, &schematic::Group::title);
   group =
       at == to_.groups.end() ? add_group(title, purpose) : static_cast<std::size_t>(at - to_.groups.begin());
 }

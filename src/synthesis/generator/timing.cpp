@@ -30,7 +30,7 @@ SlopeDetectorFigures detector_figures(const SlopeDetector& detector, const std::
   std::vector<Hertz> grid;
   for (double f = 1.0; f < 10e6; f *= 1.05) grid.push_back(Hertz{f});
   const std::vector<double> gains = detector.gains(grid);
-  const auto most = std::max_element(gains.begin(), gains.end());
+  const auto most = std::ranges::max_element(gains);
   out.ripple_hz = grid[static_cast<std::size_t>(most - gains.begin())].value;
   out.ripple_v = out.threshold_v / *most;
   for (const Hertz f : frequencies) {

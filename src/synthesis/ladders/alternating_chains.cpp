@@ -16,7 +16,7 @@ CornerChain sorted_corners(const std::vector<double>& poles, const std::vector<d
   CornerChain out;
   for (const double at : poles) out.push_back({at, true});
   for (const double at : zeros) out.push_back({at, false});
-  std::stable_sort(out.begin(), out.end(), [](const Corner& a, const Corner& b) { return a.at < b.at; });
+  std::ranges::stable_sort(out, {}, &Corner::at);
   return out;
 }
 

@@ -102,8 +102,8 @@ class Foster1 final : public LadderForm {
     }
   }
 
-  std::complex<double> impedance(std::span<const double> v, std::complex<double> s) const override {
-    std::complex<double> z = v[0];
+  Complex impedance(std::span<const double> v, Complex s) const override {
+    Complex z = v[0];
     for (std::size_t i = 1; i < v.size(); i += 2) z += v[i] / (1.0 + s * v[i] * v[i + 1]);
     return z;
   }
@@ -132,8 +132,8 @@ class Foster2 final : public LadderForm {
     }
   }
 
-  std::complex<double> impedance(std::span<const double> v, std::complex<double> s) const override {
-    std::complex<double> y = 1.0 / v[0];
+  Complex impedance(std::span<const double> v, Complex s) const override {
+    Complex y = 1.0 / v[0];
     for (std::size_t i = 1; i < v.size(); i += 2) y += s * v[i + 1] / (1.0 + s * v[i] * v[i + 1]);
     return 1.0 / y;
   }
@@ -160,8 +160,8 @@ class Cauer1 final : public LadderForm {
     }
   }
 
-  std::complex<double> impedance(std::span<const double> v, std::complex<double> s) const override {
-    std::complex<double> z = v.back();
+  Complex impedance(std::span<const double> v, Complex s) const override {
+    Complex z = v.back();
     for (std::size_t i = v.size() - 1; i >= 2; i -= 2) z = v[i - 2] + 1.0 / (s * v[i - 1] + 1.0 / z);
     return z;
   }
@@ -190,8 +190,8 @@ class Cauer2 final : public LadderForm {
     }
   }
 
-  std::complex<double> impedance(std::span<const double> v, std::complex<double> s) const override {
-    std::complex<double> z = v.back();
+  Complex impedance(std::span<const double> v, Complex s) const override {
+    Complex z = v.back();
     for (std::size_t i = v.size() - 1; i >= 2; i -= 2) {
       z = 1.0 / (1.0 / v[i - 2] + 1.0 / (1.0 / (s * v[i - 1]) + z));
     }

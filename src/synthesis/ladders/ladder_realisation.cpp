@@ -35,10 +35,10 @@ class LadderStage {
   /// makes good as far as it can, and then its own with it. Refused when no level puts all parts between
   /// their limits.
   Outcome<LadderValues> search(const RealiseOptions& options, const std::vector<Hertz>& grid,
-                               std::vector<std::complex<double>>& owed) const;
+                               std::vector<Complex>& owed) const;
 
   /// H(s) with ideal op-amps.
-  std::complex<double> response(const std::vector<double>& values, RadPerSecond w) const;
+  Complex response(const std::vector<double>& values, RadPerSecond w) const;
   StageDesign design(const LadderValues& values) const;
 
  private:
@@ -46,7 +46,7 @@ class LadderStage {
   LadderStage(const AlternatingChain& chain, const RcLadder& ladder) : chain_(chain), ladder_(&ladder) {}
 
   /// |H| up to its sign: Z/R or R/Z.
-  std::complex<double> ratio(const std::vector<double>& values, std::complex<double> s) const;
+  Complex ratio(const std::vector<double>& values, Complex s) const;
   std::vector<Biquad> factors(const RcImpedance& z, double resistor) const;
 
   AlternatingChain chain_;
@@ -61,11 +61,11 @@ class LadderStage {
 class LadderSearch {
  public:
   LadderSearch(const LadderStage& stage, const RealiseOptions& options, const std::vector<Hertz>& grid,
-               const std::vector<std::complex<double>>& owed)
+               const std::vector<Complex>& owed)
       : stage_(stage), options_(options) {
     for (std::size_t k = 0; k < grid.size(); ++k) {
       s_.emplace_back(0.0, grid[k].rad_s().value);
-      const std::complex<double> z = stage.z_(s_.back());
+      const Complex z = stage.z_(s_.back());
       wanted_.push_back(stage.chain_.lag ? z : 1.0 / z);
       wanted_.back() *= owed[k];
     }
@@ -97,8 +97,8 @@ class LadderSearch {
   }
 
   /// Wanted over realised at the grid, for the next stage.
-  std::vector<std::complex<double>> owed(const LadderValues& values) const {
-    std::vector<std::complex<double>> out;
+  std::vector<Complex> owed(const LadderValues& values) const {
+    std::vector<Complex> out;
     for (std::size_t k = 0; k < s_.size(); ++k)
       out.push_back(wanted_[k] / stage_.ratio(values.realised, s_[k]));
     return out;
@@ -151,7 +151,7 @@ class LadderSearch {
       const double level = low * std::pow(high / low, (i + 0.5) / kLevels);
       ranked.emplace_back(error(rounded(at_level(level))), level);
     }
-    std::sort(ranked.begin(), ranked.end());
+    std::ranges::sort(ranked);
     std::vector<double> out = {middle};
     for (std::size_t i = 0; out.size() < kSearchedLevels; ++i) out.push_back(ranked[i].second);
     return out;
@@ -191,7 +191,7 @@ class LadderSearch {
 
   const LadderStage& stage_;
   const RealiseOptions& options_;
-  std::vector<std::complex<double>> s_, wanted_;
+  std::vector<Complex> s_, wanted_;
 };
 
 Outcome<LadderStage> LadderStage::draw(const AlternatingChain& chain, double gain, const RcLadder& ladder) {
@@ -224,19 +224,19 @@ Outcome<LadderStage> LadderStage::draw(const AlternatingChain& chain, double gai
 }
 
 Outcome<LadderValues> LadderStage::search(const RealiseOptions& options, const std::vector<Hertz>& grid,
-                                          std::vector<std::complex<double>>& owed) const {
+                                          std::vector<Complex>& owed) const {
   const LadderSearch search(*this, options, grid, owed);
   Outcome<LadderValues> found = search.find();
   if (const LadderValues* values = std::get_if<LadderValues>(&found)) owed = search.owed(*values);
   return found;
 }
 
-std::complex<double> LadderStage::response(const std::vector<double>& values, RadPerSecond w) const {
+Complex LadderStage::response(const std::vector<double>& values, RadPerSecond w) const {
   return -ratio(values, {0.0, w.value});
 }
 
-std::complex<double> LadderStage::ratio(const std::vector<double>& values, std::complex<double> s) const {
-  const std::complex<double> z = ladder_->impedance(std::span(values).subspan(1), s);
+Complex LadderStage::ratio(const std::vector<double>& values, Complex s) const {
+  const Complex z = ladder_->impedance(std::span(values).subspan(1), s);
   return chain_.lag ? z / values[0] : values[0] / z;
 }
 
@@ -273,9 +273,8 @@ struct RealCorners {
   double gain = 1.0;
 };
 
-std::optional<Refusal> append_corners(const std::vector<std::complex<double>>& roots,
-                                      std::vector<double>& out) {
-  for (const std::complex<double> root : roots) {
+std::optional<Refusal> append_corners(const std::vector<Complex>& roots, std::vector<double>& out) {
+  for (const Complex root : roots) {
     if (root.imag() != 0.0 || !(root.real() < 0.0)) {
       return Refusal{fmt::format(
           "ladders make real poles and zeros in the left half plane, not {} {} {}j rad/s, expected "
@@ -348,7 +347,7 @@ Outcome<std::vector<FoundLadder>> find_ladders(const RcLadder& ladder, const Rea
   const std::vector<AlternatingChain> chains = alternating_chains(corners.poles, corners.zeros);
   const std::vector<double> gains = chain_gains(chains, corners.gain);
   std::vector<FoundLadder> out;
-  std::vector<std::complex<double>> owed(grid.size(), 1.0);
+  std::vector<Complex> owed(grid.size(), 1.0);
   for (std::size_t i = 0; i < chains.size(); ++i) {
     Outcome<LadderStage> stage = LadderStage::draw(chains[i], gains[i], ladder);
     if (const Refusal* refusal = refusal_of(stage)) return *refusal;
@@ -378,7 +377,7 @@ Outcome<Realised> LadderRealisation::design(const Sections& sections, const Real
   for (const FoundLadder& one : ladders)
     add_stage(out.circuit, one.stage.design(one.values), stages, options);
   report_realised(out, sections, band, [&](RadPerSecond w) {
-    std::complex<double> h = invert ? -1.0 : 1.0;
+    Complex h = invert ? -1.0 : 1.0;
     for (const FoundLadder& one : ladders) h *= one.stage.response(one.values.nearest, w);
     return h;
   });

@@ -11,15 +11,15 @@ namespace bodesmith::synthesis {
 namespace {
 
 /// Max. |error| with the best constant gain taken out: what no other stage can make good.
-double worst_shape(const std::vector<std::complex<double>>& error) {
+double worst_shape(const std::vector<Complex>& error) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const std::complex<double> e : error) {
+  for (const Complex e : error) {
     low = std::min(low, e.real());
     high = std::max(high, e.real());
   }
   const double middle = 0.5 * (low + high);
   double out = 0.0;
-  for (const std::complex<double> e : error) out = std::max(out, std::norm(e - middle));
+  for (const Complex e : error) out = std::max(out, std::norm(e - middle));
   return out;
 }
 
@@ -46,8 +46,7 @@ class StageSearch {
       choose(chosen);
     }
     for (StageCandidate& one : found_) one.rank = alone_ ? worst_square(one.error) : worst_shape(one.error);
-    std::stable_sort(found_.begin(), found_.end(),
-                     [](const StageCandidate& a, const StageCandidate& b) { return a.rank < b.rank; });
+    std::ranges::stable_sort(found_, {}, &StageCandidate::rank);
     if (found_.size() > kMaxCandidates) found_.resize(kMaxCandidates);
     return std::move(found_);
   }
@@ -207,9 +206,9 @@ class StageSearch {
 
 }  // namespace
 
-double worst_square(const std::vector<std::complex<double>>& error) {
+double worst_square(const std::vector<Complex>& error) {
   double out = 0.0;
-  for (const std::complex<double> e : error) out = std::max(out, std::norm(e));
+  for (const Complex e : error) out = std::max(out, std::norm(e));
   return out;
 }
 

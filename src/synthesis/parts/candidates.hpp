@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -13,12 +12,12 @@ namespace bodesmith::synthesis {
 /// Values for one stage's parts.
 struct StageCandidate {
   std::vector<double> values;
-  std::vector<std::complex<double>> error;  ///< ln(H/H_wanted) of this stage over the grid, weighted
+  std::vector<Complex> error;  ///< ln(H/H_wanted) of this stage over the grid, weighted
   double rank = 0.0;
 };
 
 /// Max. |error|^2.
-double worst_square(const std::vector<std::complex<double>>& error);
+double worst_square(const std::vector<Complex>& error);
 
 /// Up to 400 of them, best first: those of the preferred capacitors within a decade from the smallest that
 /// keep the resistors within their limits, with neighbouring preferred resistors. Among several stages a

@@ -19,7 +19,7 @@ constexpr int kPolishNeighbours = 7;
 /// One or two values of a stage changed, and the stage's error then.
 struct Move {
   std::vector<double> values;
-  std::vector<std::complex<double>> error;
+  std::vector<Complex> error;
 };
 
 /// The norm of an error over the grid: its max. square, or the sum of squares, which leads over the sills
@@ -42,9 +42,7 @@ class StageMoves {
   StageMoves(const StageForm& form, const RealiseOptions& options, const SearchGrid& grid)
       : form_(form), options_(options), errors_(form, grid) {}
 
-  std::vector<std::complex<double>> error(const std::vector<double>& values) const {
-    return errors_.logarithms(values);
-  }
+  std::vector<Complex> error(const std::vector<double>& values) const { return errors_.logarithms(values); }
 
   /// Every change of one value first (`single_count` of them), then those of two.
   void make(const std::vector<double>& values) {
@@ -139,14 +137,14 @@ class Polish {
     const std::size_t count = sum_.size();
     chosen_[0] = chosen_[1] = {};
     for (std::size_t a = 0; a < stages_.size(); ++a) {
-      std::vector<std::complex<double>> rest = sum_;
+      std::vector<Complex> rest = sum_;
       for (std::size_t k = 0; k < count; ++k) rest[k] -= errors_[a][k];
       for (const Move& move : stages_[a].moves()) {
         take_if_better(norm_of(norm, count, best_, [&](std::size_t k) { return rest[k] + move.error[k]; }),
                        {a, &move}, {});
       }
       for (std::size_t b = a + 1; b < stages_.size(); ++b) {
-        std::vector<std::complex<double>> both = rest;
+        std::vector<Complex> both = rest;
         for (std::size_t k = 0; k < count; ++k) both[k] -= errors_[b][k];
         for (std::size_t i = 0; i < stages_[a].single_count(); ++i) {
           const Move& first = stages_[a].moves()[i];
@@ -173,8 +171,8 @@ class Polish {
 
   std::vector<std::vector<double>>& values_;
   std::vector<StageMoves> stages_;
-  std::vector<std::vector<std::complex<double>>> errors_;
-  std::vector<std::complex<double>> sum_;
+  std::vector<std::vector<Complex>> errors_;
+  std::vector<Complex> sum_;
   double best_ = 0.0;
   Choice chosen_[2];
 };
@@ -222,7 +220,7 @@ class Exchange {
       const double here = descend(pick);
       ends.emplace_back(here, pick);
     }
-    std::sort(ends.begin(), ends.end());
+    std::ranges::sort(ends);
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
     std::vector<std::vector<std::size_t>> out;
     for (std::size_t i = 0; i < ends.size() && i < count; ++i) out.push_back(ends[i].second);
@@ -231,7 +229,7 @@ class Exchange {
 
  private:
   double descend(std::vector<std::size_t>& pick) const {
-    std::vector<std::complex<double>> sum(points_, 0.0);
+    std::vector<Complex> sum(points_, 0.0);
     for (std::size_t i = 0; i < pick.size(); ++i) {
       for (std::size_t k = 0; k < points_; ++k) sum[k] += all_[i][pick[i]].error[k];
     }
@@ -241,7 +239,7 @@ class Exchange {
       better = false;
       for (std::size_t i = 0; i < pick.size(); ++i) {
         if (i % 16 == 15) stop_if_interrupted();
-        std::vector<std::complex<double>> rest = sum;
+        std::vector<Complex> rest = sum;
         for (std::size_t k = 0; k < points_; ++k) rest[k] -= all_[i][pick[i]].error[k];
         std::size_t chosen = pick[i];
         for (std::size_t c = 0; c < all_[i].size(); ++c) {

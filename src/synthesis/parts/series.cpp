@@ -84,7 +84,7 @@ Series Series::stock(std::string name, std::vector<double> values) {
   }
   Series out;
   out.name_ = std::move(name);
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   values.erase(std::unique(values.begin(), values.end()), values.end());
   out.stock_ = std::move(values);
   return out;
@@ -134,7 +134,7 @@ std::vector<double> Series::nearest(double value, int count) const {
     all = values(value / width, value * width);
   }
   const auto distance = [&](double v) { return std::abs(std::log(v / value)); };
-  std::stable_sort(all.begin(), all.end(), [&](double a, double b) { return distance(a) < distance(b); });
+  std::ranges::stable_sort(all, [&](double a, double b) { return distance(a) < distance(b); });
   if (static_cast<int>(all.size()) > count) all.resize(static_cast<size_t>(count));
   return all;
 }

@@ -12,11 +12,11 @@ namespace {
 
 /// |d ln H / d ln f|, each root's share by itself.
 double slope(const Sections& wanted, Hertz f) {
-  const std::complex<double> s(0.0, f.rad_s().value);
-  std::complex<double> out = 0.0;
+  const Complex s(0.0, f.rad_s().value);
+  Complex out = 0.0;
   for (const Section& section : wanted.sections) {
-    for (const std::complex<double>& zero : section.zeros) out += s / (s - zero);
-    for (const std::complex<double>& pole : section.poles) out -= s / (s - pole);
+    for (const Complex& zero : section.zeros) out += s / (s - zero);
+    for (const Complex& pole : section.poles) out -= s / (s - pole);
   }
   return std::abs(out);
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <vector>
 
 #include "base/units.hpp"
@@ -27,7 +26,7 @@ class StageErrors {
   StageErrors(const StageForm& form, const SearchGrid& grid);
 
   /// ln(H/H_wanted) in nepers and radians, weighted.
-  std::vector<std::complex<double>> logarithms(const std::vector<double>& values) const;
+  std::vector<Complex> logarithms(const std::vector<double>& values) const;
   /// Max. |H/H_wanted - 1|^2, weighted; stops looking once it is above `enough`.
   double worst_square(const std::vector<double>& values, double enough) const;
 
@@ -35,7 +34,7 @@ class StageErrors {
   const StageForm& form_;
   std::vector<double> w_;  ///< rad/s
   std::vector<double> weight_;
-  std::vector<std::complex<double>> wanted_;
+  std::vector<Complex> wanted_;
 };
 
 }  // namespace bodesmith::synthesis

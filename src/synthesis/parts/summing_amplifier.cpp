@@ -30,7 +30,7 @@ double sum_at(const SummingResistors& r, const std::vector<double>& signs, bool 
 /// Resistance that makes the conductances at both inputs equal.
 void set_balance(SummingResistors& r, const std::vector<double>& wanted) {
   r.balance = 0.0;
-  if (std::none_of(wanted.begin(), wanted.end(), [](double g) { return g > 0.0; })) return;
+  if (std::ranges::none_of(wanted, [](double g) { return g > 0.0; })) return;
   const double lack = 1.0 / r.feedback + sum_at(r, wanted, false) - sum_at(r, wanted, true);
   r.balance_at_plus = lack > 0.0;
   r.balance = std::abs(lack) < 1e-9 / r.feedback ? 0.0 : 1.0 / std::abs(lack);
@@ -55,7 +55,7 @@ class SumSearch {
     SummingResistors trial;
     trial.feedback = feedback;
     std::vector<std::vector<double>> near;
-    const auto terms = std::count_if(gains_.begin(), gains_.end(), [](double g) { return g != 0.0; });
+    const auto terms = std::ranges::count_if(gains_, [](double g) { return g != 0.0; });
     for (std::size_t k = 0; k < gains_.size(); ++k) {
       const std::optional<double> weight = weight_for(gains_[k], feedback, volts_[k]);
       if (!weight) return;

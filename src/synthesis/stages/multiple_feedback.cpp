@@ -108,7 +108,7 @@ class FeedbackHighPass final : public StageForm {
 };
 
 bool at_origin(const Section& section) {
-  return std::all_of(section.zeros.begin(), section.zeros.end(), [](auto z) { return std::abs(z) == 0.0; });
+  return std::ranges::all_of(section.zeros, [](auto z) { return std::abs(z) == 0.0; });
 }
 
 class MultipleFeedbackRealisation final : public StageRealisation {

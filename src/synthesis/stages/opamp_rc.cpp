@@ -95,7 +95,7 @@ struct FoundChain {
 
 std::string stage_title(const Section& section, const StageRealisation& form) {
   std::vector<std::string> poles;
-  for (const std::complex<double> p : section.poles) poles.push_back(rounded_text(std::abs(p)));
+  for (const Complex p : section.poles) poles.push_back(rounded_text(std::abs(p)));
   return poles.empty() ? std::string(form.name())
                        : fmt::format("{}, poles at {} rad/s", form.name(), join(poles, " and "));
 }
@@ -291,7 +291,7 @@ Outcome<Realised> realise_as_stages(const Sections& asked, const StageRealisatio
   out.circuit = chain_circuit(found, form_options, options, grid.at);
   const std::vector<Biquad> nearest = nearest_rounding(found, out.circuit, options);
   report_realised(out, asked, band, [&](RadPerSecond w) {
-    std::complex<double> h = 1.0;
+    Complex h = 1.0;
     for (const Biquad& one : nearest) h *= one.response(w);
     return h;
   });

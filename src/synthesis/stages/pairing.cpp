@@ -35,7 +35,7 @@ std::vector<size_t> best_order(const std::vector<Row>& rows) {
   worst[0] = 0.0F;
   Row sum(rows[0].size());
   for (size_t set = 1; set < sets; ++set) {
-    std::fill(sum.begin(), sum.end(), 0.0);
+    std::ranges::fill(sum, 0.0);
     for (size_t i = 0; i < n; ++i) {
       if ((set >> i & 1U) != 0) sum = plus(std::move(sum), rows[i]);
     }
@@ -54,7 +54,7 @@ std::vector<size_t> best_order(const std::vector<Row>& rows) {
   }
   std::vector<size_t> order;
   for (size_t set = sets - 1; set != 0; set ^= size_t{1} << order.back()) order.push_back(last[set]);
-  std::reverse(order.begin(), order.end());
+  std::ranges::reverse(order);
   return order;
 }
 
@@ -63,9 +63,8 @@ std::vector<size_t> greedy_order(const std::vector<Row>& rows) {
   std::iota(left.begin(), left.end(), size_t{0});
   Row sum(rows[0].size(), 0.0);
   while (!left.empty()) {
-    const auto best = std::min_element(left.begin(), left.end(), [&](size_t a, size_t b) {
-      return peak(plus(sum, rows[a])) < peak(plus(sum, rows[b]));
-    });
+    const auto best = std::ranges::min_element(
+        left, [&](size_t a, size_t b) { return peak(plus(sum, rows[a])) < peak(plus(sum, rows[b])); });
     sum = plus(std::move(sum), rows[*best]);
     order.push_back(*best);
     left.erase(best);
@@ -75,8 +74,7 @@ std::vector<size_t> greedy_order(const std::vector<Row>& rows) {
 
 bool all_real(const Section& section) {
   const auto real = [](Complex r) { return r.imag() == 0.0; };
-  return std::all_of(section.zeros.begin(), section.zeros.end(), real) &&
-         std::all_of(section.poles.begin(), section.poles.end(), real);
+  return std::ranges::all_of(section.zeros, real) && std::ranges::all_of(section.poles, real);
 }
 
 double distance(Complex zero, Complex pole) {
@@ -184,8 +182,8 @@ Split split_into_stages(const Sections& sections) {
     }
   }
   const auto rising = [](Complex a, Complex b) { return std::abs(a) < std::abs(b); };
-  std::stable_sort(zeros.begin(), zeros.end(), rising);
-  std::stable_sort(poles.begin(), poles.end(), rising);
+  std::ranges::stable_sort(zeros, rising);
+  std::ranges::stable_sort(poles, rising);
   const std::vector<size_t> pole_of = pair_sorted(zeros, poles);
   std::vector<Section> pairs(poles.size());
   for (size_t i = 0; i < poles.size(); ++i) pairs[i].poles = {poles[i]};

@@ -15,7 +15,7 @@ namespace {
 using generator::DisturbanceCircuit;
 
 double largest(const std::vector<double>& values) {
-  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+  return values.empty() ? 0.0 : *std::ranges::max_element(values);
 }
 
 /// Each cause alone, at one standard deviation: what it moves y by, at every frequency.
@@ -62,8 +62,8 @@ void take_shares(const OneAtATime& alone, const std::vector<Cause>& causes, Stud
   }
   for (const auto& [name, group] : groups) out.groups.push_back(group);
   const auto larger = [](const Share& a, const Share& b) { return a.share > b.share; };
-  std::stable_sort(out.parts.begin(), out.parts.end(), larger);
-  std::stable_sort(out.groups.begin(), out.groups.end(), larger);
+  std::ranges::stable_sort(out.parts, larger);
+  std::ranges::stable_sort(out.groups, larger);
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ std::vector<double> without_lag(std::vector<double> e, const std::vector<double>
 }
 
 ErrorSpread spread_of(std::vector<double> percent, double nominal) {
-  std::sort(percent.begin(), percent.end());
+  std::ranges::sort(percent);
   return {nominal, quantile_of_sorted(percent, 0.5), quantile_of_sorted(percent, 0.95),
           percent.empty() ? 0.0 : percent.back()};
 }

@@ -229,7 +229,7 @@ double TrimModel::put_in_order(std::vector<Pick>& picks, int rounds) const {
   std::vector<Pick> best = picks;
   double least = 1e301;
   do {
-    std::sort(given.begin(), given.end());
+    std::ranges::sort(given);
     do {
       std::vector<Pick> trial;
       for (std::size_t k = 0; k < picks.size(); ++k)
@@ -331,7 +331,7 @@ class BlindUser {
 };
 
 double greatest(const std::vector<double>& values) {
-  return *std::max_element(values.begin(), values.end());
+  return *std::ranges::max_element(values);
 }
 
 }  // namespace

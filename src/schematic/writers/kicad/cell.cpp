@@ -152,7 +152,7 @@ void CellMaker::opamp(const OpAmp& opamp, Symbol symbol, std::vector<Branch>& re
   // What comes from the left stands lowest, where a wire can reach it.
   std::stable_partition(rest.begin(), rest.end(), [&](const Branch& one) { return one.ends_at(before); });
   const bool follower = opamp.minus == opamp.out;
-  const bool minus_is_fed = !follower && std::any_of(rest.begin(), rest.end(), [&](const Branch& one) {
+  const bool minus_is_fed = !follower && std::ranges::any_of(rest, [&](const Branch& one) {
     return one.ends_at(opamp.minus) && one.other_end(opamp.minus) != opamp.out &&
            one.other_end(opamp.minus) != "0";
   });

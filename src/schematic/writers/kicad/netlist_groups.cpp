@@ -110,7 +110,7 @@ class GroupMaker {
 
   void place_opamp(const OpAmp& one) {
     const schematic::OpAmpModel& type = netlist_.model_of(one);
-    const auto open = std::find_if(packages_.begin(), packages_.end(), [&](const Package& package) {
+    const auto open = std::ranges::find_if(packages_, [&](const Package& package) {
       return package.type->name == type.name && package.used < type.per_package;
     });
     Package& package =

@@ -217,8 +217,8 @@ class Schematic {
   /// A3, or what the largest stage needs.
   const Paper& paper_for_stages() const {
     for (const Paper& paper : kPapers) {
-      const bool holds = std::all_of(groups_.begin(), groups_.end(),
-                                     [&](const Group& group) { return Rows(paper).add(group); });
+      const bool holds =
+          std::ranges::all_of(groups_, [&](const Group& group) { return Rows(paper).add(group); });
       if (holds && paper.width >= kPapers[1].width) return paper;
     }
     throw DesignError("a stage is larger than an A0 sheet");

@@ -32,7 +32,7 @@ int Group::text_width() const {
 }
 
 int Group::text_height() const {
-  return 2 * static_cast<int>(std::count(text.begin(), text.end(), '\n')) + 3;
+  return 2 * static_cast<int>(std::ranges::count(text, '\n')) + 3;
 }
 
 Rows::Rows(const Paper& paper, int width, int top)
@@ -111,9 +111,8 @@ Rows::Heights Rows::heights_of(const Row& row) {
   for (const Run& run : runs) out.height = std::max(out.height, run.ascent + run.descent);
   // One line for the op-amps of as many runs as can have it; a run that cannot stands as near as it can.
   const auto in_line = [&](int axis) {
-    return std::count_if(runs.begin(), runs.end(), [&](const Run& run) {
-      return axis >= run.ascent && axis + run.descent <= out.height;
-    });
+    return std::ranges::count_if(
+        runs, [&](const Run& run) { return axis >= run.ascent && axis + run.descent <= out.height; });
   };
   int axis = 0;
   for (const Run& run : runs) {
@@ -222,8 +221,8 @@ void Rows::finish(const Item& item, std::size_t index, Point origin, bool wired_
 }
 
 bool Rows::ends_in(const Item& item, const std::string& net) {
-  return std::any_of(item.cell->anchors.begin(), item.cell->anchors.end(),
-                     [&](const Anchor& one) { return one.kind == Anchor::Kind::end && one.net == net; });
+  return std::ranges::any_of(
+      item.cell->anchors, [&](const Anchor& one) { return one.kind == Anchor::Kind::end && one.net == net; });
 }
 
 bool Rows::is_output(const Item& item, const std::string& net) {
@@ -246,8 +245,7 @@ Rows fitted_rows(const Paper& paper, const std::vector<const Group*>& groups, in
   Rows best(paper, widest, top);
   for (int width = widest; width >= std::min(narrowest, widest); width -= 4) {
     Rows rows(paper, width, top);
-    if (!std::all_of(groups.begin(), groups.end(), [&](const Group* group) { return rows.add(*group); }))
-      continue;
+    if (!std::ranges::all_of(groups, [&](const Group* group) { return rows.add(*group); })) continue;
     if (best.empty() || rows.imbalance() < best.imbalance()) best = std::move(rows);
   }
   return best;

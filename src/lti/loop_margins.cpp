@@ -148,16 +148,14 @@ std::optional<double> turn_of(const std::function<Complex(double)>& at, double f
 }  // namespace
 
 const LoopMargins::GainCrossing* LoopMargins::least_phase_margin() const {
-  const auto least = std::ranges::min_element(gain_crossings, [](const auto& a, const auto& b) {
-    return std::abs(a.phase_margin_deg) < std::abs(b.phase_margin_deg);
-  });
+  const auto least = std::ranges::min_element(
+      gain_crossings, {}, [](const GainCrossing& at) { return std::abs(at.phase_margin_deg); });
   return least == gain_crossings.end() ? nullptr : &*least;
 }
 
 const LoopMargins::PhaseCrossing* LoopMargins::least_gain_margin() const {
-  const auto least = std::ranges::min_element(phase_crossings, [](const auto& a, const auto& b) {
-    return std::abs(a.gain_margin_db) < std::abs(b.gain_margin_db);
-  });
+  const auto least = std::ranges::min_element(
+      phase_crossings, {}, [](const PhaseCrossing& at) { return std::abs(at.gain_margin_db); });
   return least == phase_crossings.end() ? nullptr : &*least;
 }
 

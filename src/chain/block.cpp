@@ -38,7 +38,8 @@ std::optional<FoundInput> BlockType::inverse(const Block& block, const WantedOut
     if (linear->order() == 0 && linear->d == 0.0) return std::nullopt;
     return inverse_of(*linear, wanted);
   }
-  if (const auto* source = std::get_if<std::unique_ptr<SourceKernel>>(&kernel)) return inverse_of(**source, wanted);
+  if (const auto* source = std::get_if<std::unique_ptr<SourceKernel>>(&kernel))
+    return inverse_of(**source, wanted);
   if (const auto* sampled = std::get_if<std::unique_ptr<SampledKernel>>(&kernel))
     return inverse_of(**sampled, wanted);
   return std::nullopt;

@@ -12,7 +12,7 @@
 ///
 /// What is wrong with an input is an InputError with file and line, what cannot be built a DesignError; a function that
 /// returns an Outcome holds a Refusal instead, with its reason. Nothing prints, nothing writes but an OutputSet's commit().
-/// tests/consumer/main.cpp is a program that uses it. Controllers for measured plants (tuning/tune.hpp) need Eigen beside.
+/// tests/consumer/main.cpp is a program that uses it. Controllers for measured plants (tuning/tune.hpp) need Eigen as well.
 
 #include "approximate/approximate.hpp"  // a cascade to sections: approximate_cascade()
 #include "base/error.hpp"               // InputError, DesignError

@@ -50,7 +50,7 @@ std::pair<double, double> bound(const VirtualStageSettings& settings, const Cont
   return {low, high};
 }
 
-/// Section 6 and Fig. 8: what a parameter of eq. 3, 5 % larger, does to the modelling error; dL/d ln p at the full stroke beside it.
+/// Section 6 and Fig. 8: what a parameter of eq. 3, 5 % larger, does to the modelling error; dL/d ln p at the full stroke next to it.
 void sensitivity(const Identified& four, const TimeRecord& record) {
   const ExponentialOperators simple = ExponentialOperators::from(four.model.parameters).dominant_only();
   const auto error_with = [&](std::size_t i, bool lag, double factor) {

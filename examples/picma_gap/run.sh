@@ -1,6 +1,6 @@
 #!/bin/sh
 # Usage: examples/picma_gap/run.sh DATA_FOLDER [OUTPUT_FOLDER]
-# Asks what the linear model lacks; the records' source is named in README.md beside this file.
+# Asks what the linear model lacks; the records' source is named in the README.md next to this file.
 set -e
 here=$(cd "$(dirname "$0")" && pwd)
 data=${1:?the folder that holds picma_train.csv}

@@ -32,7 +32,7 @@ class Document:
 
     Attributes:
         warnings: what a person should know, one sentence each.
-        files: texts that the program writes beside the main file, by name (netlists, build sheets, drawings).
+        files: texts that the program writes alongside the main file, by name (netlists, build sheets, drawings).
         origins: path and SHA-256 of the files that it came from; `inputs` of what is computed from it.
     """
 

@@ -92,7 +92,7 @@ class Circuit(Document):
         return response_of(self, frequency_hz).response
 
     def plot(self, sections: Sections | None = None, **options: Any) -> Figure:
-        """Bode plot of the netlist in ngspice, beside the sections."""
+        """Bode plot of the netlist in ngspice, next to the sections."""
         return draw(self, sections, **options)
 
     def _summary(self) -> str:

@@ -183,7 +183,7 @@ class Record:
         return self.start_s + self.step_s * np.arange(self.u.size)
 
     def about(self) -> dict[str, Any]:
-        """What the library asks for beside the samples."""
+        """What the library asks for in addition to the samples."""
         return {"name": self.name, "step_s": self.step_s, "start_s": self.start_s}
 
     def __len__(self) -> int:

@@ -103,7 +103,7 @@ def plot_plan(plan: Plan, sections: Sections | None = None, *, count: int = 400)
 
 @draws(Circuit)
 def plot_circuit(circuit: Circuit, sections: Sections | None = None, *, count: int = 200, **options: Any) -> Figure:
-    """The netlist in ngspice, beside the sections."""
+    """The netlist in ngspice, next to the sections."""
     low, high = circuit.error["band_hz"]
     f = log_grid(low, high, count)
     things = [circuit] + ([sections] if sections is not None else [])

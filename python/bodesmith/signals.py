@@ -109,7 +109,7 @@ def simulate(
         options["controller"] = {"schema": "bodesmith.controller/1", **controller}
     if feedforward is not None:
         if controller is None:
-            raise InputError("feedforward belongs to a loop, expected a controller beside it")
+            raise InputError("feedforward belongs to a loop, expected a controller with it")
         if isinstance(feedforward, Model):
             options["feedforward"] = feedforward
         else:
@@ -176,7 +176,7 @@ def sweep(
     if controller is not None:
         options["controller"] = {"schema": "bodesmith.controller/1", **controller}
     elif feedforward is not None:
-        raise InputError("feedforward belongs to a loop, expected a controller beside it")
+        raise InputError("feedforward belongs to a loop, expected a controller with it")
     arrays = {
         "frequency_hz": signal(np.atleast_1d(frequency_hz), "frequency_hz"),
         "amplitude": signal(np.atleast_1d(amplitude), "amplitude"),
@@ -430,7 +430,7 @@ def compare_models(
 
 
 def hysteresis_models() -> list[str]:
-    """Names that identify() takes, beside "linear"."""
+    """Names that identify() takes, besides "linear"."""
     return call("names").result["models"]
 
 

@@ -33,7 +33,7 @@ struct Call {
 struct Answer {
   Json result = Json::object();
   std::map<std::string, std::vector<double>> arrays;  ///< handed over without copying
-  std::map<std::string, std::string> files;           ///< what the command writes beside its main file
+  std::map<std::string, std::string> files;           ///< what the command writes alongside its main file
   std::vector<std::string> warnings;
 };
 

@@ -166,7 +166,7 @@ py::tuple call(const std::string& name, const std::string& options, const py::di
 }  // namespace bodesmith::python
 
 PYBIND11_MODULE(_core, m) {
-  m.doc() = "What bodesmith computes, for the modules beside it.";
+  m.doc() = "What bodesmith computes, for the modules next to it.";
   m.attr("version") = bodesmith::kVersion;
   m.def("call", &bodesmith::python::call, py::arg("name"), py::arg("options"), py::arg("arrays"),
         py::arg("progress"));

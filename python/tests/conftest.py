@@ -1,4 +1,4 @@
-"""What the tests share: the program beside the package, the example's files, and folders of their own."""
+"""What the tests share: the program next to the package, the example's files, and folders of their own."""
 
 from __future__ import annotations
 

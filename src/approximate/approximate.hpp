@@ -54,7 +54,7 @@ struct CascadeApproximation {
 
   bool limit_met() const { return !max_error_db || error.everywhere_db <= *max_error_db; }
 
-  /// Extra fields beside the sections: method, order and error of every term, the limit law, phase
+  /// Extra fields besides the sections: method, order and error of every term, the limit law, phase
   /// everywhere.
   Json report_json() const;
 };

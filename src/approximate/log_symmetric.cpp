@@ -22,7 +22,7 @@ std::complex<long double> exponential(std::complex<long double> z) {
 }
 
 /// An eigenvalue of Jacobi's matrix to the last digits: Newton's steps on its polynomial,
-///   p_(k+1)(x) = (x - a_k) p_k(x) - b_k p_(k-1)(x), a_0 = beta, a_k = 0, b_k the products beside the diagonal.
+///   p_(k+1)(x) = (x - a_k) p_k(x) - b_k p_(k-1)(x), a_0 = beta, a_k = 0, b_k the products next to the diagonal.
 std::complex<long double> polished(std::complex<long double> x, long double beta,
                                    const std::vector<long double>& products) {
   for (int step = 0; step < 3; ++step) {

@@ -26,7 +26,7 @@ void remember_input(const std::filesystem::path& path);
 void ask_before_writing(std::function<void(const std::filesystem::path&)> ask);
 
 /// Files that are written together, whole or not at all: nothing touches the disk before commit(), every file
-/// goes to a temporary name beside its target first, and only when all of them stand are they renamed. A link is
+/// goes to a temporary name next to its target first, and only when all of them stand are they renamed. A link is
 /// followed; what is no ordinary file (a device, a pipe) is written to as it is, before the others. Temporary files go when the program
 /// is ended by a signal, and those that a killed run left go at the next commit to the same name.
 class OutputSet {

@@ -70,7 +70,7 @@ class CircuitBoard : public Board {
   };
   void solve(const schematic::Equations& equations, RadPerSecond w, int out);
   void find_unknowns(const CircuitBoard* like);
-  /// So many times a part's own admittance beside it.
+  /// So many times a part's own admittance in parallel with it.
   Stamp times_admittance(std::size_t part, double factor) const;
   int node(const std::string& name) const;
   /// Solutions with some faults built in.

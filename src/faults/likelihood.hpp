@@ -28,7 +28,7 @@ std::vector<double> differences_percent(const Board& board, const Eigen::VectorX
 /// form leaves out.
 class Likelihood {
  public:
-  /// `part_spread`: of the parts' errors, beside what Spread says.
+  /// `part_spread`: of the parts' errors, in addition to what Spread says.
   Likelihood(const Board& board, const Prediction& prediction, const Noise& noise, double part_spread = 1.0);
   /// The same about parts' errors `around` at which `prediction` was made (0 for what is no part): where the linear form
   /// about 0 is not good enough. `left` is what they left open, for the second order.

@@ -44,9 +44,9 @@ bool share_a_part(const Fault& a, const Fault& b) {
   return names_any(a, b.parts) || names_any(a, b.covers) || names_any(b, a.covers);
 }
 
-/// The best size of `second` beside a first fault as it was found.
-TriedPair beside(const Board& board, const ChangedBoard& changed, const Finding& first,
-                 const Likelihood& likelihood, const Fault& second) {
+/// The best size of `second` alongside a first fault as it was found.
+TriedPair best_second(const Board& board, const ChangedBoard& changed, const Finding& first,
+                      const Likelihood& likelihood, const Fault& second) {
   TriedPair best;
   best.rough = -1e300;
   const auto try_size = [&](double t) {
@@ -78,14 +78,14 @@ void resize(const Board& board, const Likelihood& likelihood, TriedPair& pair) {
     for (std::size_t which = 0; which < 2; ++which) {
       const Fault& fault = *pair.finding.faults[which];
       if (!fault.has_size()) continue;
-      const std::unique_ptr<ChangedBoard> beside_other =
+      const std::unique_ptr<ChangedBoard> with_other =
           board.changed_by(pair.finding.faults[1 - which]->effect(pair.finding.sizes[1 - which]));
       const double middle = pair.finding.sizes[which];
       for (const double tooth : comb(fault, kTeethOfSecond)) {
         const double centre = 0.5 * (fault.from + fault.to);
         const double t = std::clamp(middle + part * (tooth - centre), fault.from, fault.to);
         const double density =
-            likelihood.log_density_of(residual_of(board, beside_other->response(fault.effect(t))).rows());
+            likelihood.log_density_of(residual_of(board, with_other->response(fault.effect(t))).rows());
         if (!(density + pair.finding.log_prior > pair.rough)) continue;
         pair.rough = density + pair.finding.log_prior;
         pair.finding.sizes[which] = t;
@@ -127,7 +127,7 @@ class PairSearch {
     std::vector<TriedPair> here;
     for (const Fault& fault : faults_) {
       if (share_a_part(*first.faults[0], fault)) continue;
-      TriedPair pair = beside(board_, *changed, first, likelihood_of(fault), fault);
+      TriedPair pair = best_second(board_, *changed, first, likelihood_of(fault), fault);
       if (pair.finding.sizes.empty()) continue;
       pair.finding.log_prior = log_prior_of_two_ + prior_of(*first.faults[0]) + prior_of(fault);
       pair.rough += pair.finding.log_prior;
@@ -142,7 +142,7 @@ class PairSearch {
   }
 
   /// Of three values of which any two explain the same, A with B and A with C may be found and B with C not, far away in both
-  /// sizes: the sites of the likeliest pairs, each beside each, over all sizes of both.
+  /// sizes: the sites of the likeliest pairs, each with each, over all sizes of both.
   void close(KnownPairs& known, std::vector<Finding>& found) const {
     if (found.empty()) return;
     std::ranges::stable_sort(
@@ -172,7 +172,7 @@ class PairSearch {
         best.rough = -1e300;
         for (std::size_t a = 0; a < teeth.size(); ++a) {
           Finding first{.faults = {sized[i]}, .sizes = {teeth[a]}};
-          TriedPair pair = beside(board_, *with_first[a], first, likelihood, *sized[j]);
+          TriedPair pair = best_second(board_, *with_first[a], first, likelihood, *sized[j]);
           if (pair.rough > best.rough) best = std::move(pair);
         }
         if (best.finding.sizes.empty()) continue;
@@ -220,7 +220,7 @@ std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& si
     were_first.insert(first.faults[0]);
     search.try_first(first);
   }
-  // One of two faults may stand out only beside the other one: what did best as a second one is tried as a first one, of the
+  // One of two faults may stand out only alongside the other one: what did best as a second one is tried as a first one, of the
   // size that it had.
   std::size_t turned = 0;
   for (const TriedPair& pair : search.tried()) {

@@ -53,8 +53,8 @@ const char* to_string(CourseAnswer::Grade grade) {
       return "right";
     case CourseAnswer::Grade::tied:
       return "a tie with the right one in it";
-    case CourseAnswer::Grade::beside_others:
-      return "right, and something else beside it";
+    case CourseAnswer::Grade::among_others:
+      return "right, and something else with it";
     case CourseAnswer::Grade::wrong:
       break;
   }
@@ -79,7 +79,7 @@ CourseAnswer course_answer(const CourseCase& one, const std::filesystem::path& d
                     ? Grade::right
                     : Grade::wrong;
   } else if (named) {
-    out.grade = out.named.size() == 1 ? Grade::right : Grade::beside_others;
+    out.grade = out.named.size() == 1 ? Grade::right : Grade::among_others;
   } else if (tied) {
     out.grade = Grade::tied;
   }

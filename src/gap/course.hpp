@@ -28,7 +28,7 @@ std::vector<CourseCase> read_course(const std::filesystem::path& folder, Provena
 
 /// How a diagnosis.json answers a case.
 struct CourseAnswer {
-  enum class Grade { right, tied, beside_others, wrong };
+  enum class Grade { right, tied, among_others, wrong };
   Grade grade = Grade::wrong;
   std::vector<std::string> named;  ///< what the diagnosis names
   std::string hidden;

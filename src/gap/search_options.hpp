@@ -56,7 +56,7 @@ struct RoundOptions {
 struct BoundOptions {
   /// Of the rms, what a name explains: of the geometric mean of what is left without it and of the gap that the base model
   /// leaves. Of the former alone false names would explain half of the little that a form leaves; of the latter alone a small
-  /// effect beside a large one would have no name.
+  /// effect next to a large one would have no name.
   double explained = 0.15;
   /// Share of the residual's energy that a proposal must promise to be fitted: half of what it must take in the end.
   double min_promise() const { return 0.5 * explained * explained; }
@@ -64,13 +64,13 @@ struct BoundOptions {
   std::size_t max_unknowns = std::numeric_limits<std::size_t>::max();
 };
 
-/// Two effects that hide each other [5]: what each effect promises beside each of a few first names.
+/// Two effects that hide each other [5]: what each effect promises alongside each of a few first names.
 struct PairOptions {
   std::size_t firsts = 8;
-  std::size_t seconds = 4;  ///< beside each
+  std::size_t seconds = 4;  ///< alongside each
   std::size_t fits = 20;    ///< of the pairs that promise most
   std::size_t best = 3;     ///< of them that are gone on from
-  // Of responses: first names beside each of which all others are fitted, and sets of greatest evidence whose names are tried one by one.
+  // Of responses: first names alongside each of which all others are fitted, and sets of greatest evidence whose names are tried one by one.
   std::size_t firsts_of_response = 12;
   std::size_t close_looks = 6;
 };

@@ -17,7 +17,7 @@ Complex power(Complex s, double exponent) {
   return std::exp(exponent * std::log(s));
 }
 
-/// F⁻¹ over the static gain, and the whole model beside it to say what comes out.
+/// F⁻¹ over the static gain, and the whole model alongside it to say what comes out.
 class FractionalInverse final : public Inverse {
  public:
   explicit FractionalInverse(const FractionalDynamic& model)
@@ -235,7 +235,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Points in x = ln σ. The density of the lags has a pole beside the axis at ln σ = −ln χ/λ ± iπ(1 − λ)/λ: the
+/// Points in x = ln σ. The density of the lags has a pole near the axis at ln σ = −ln χ/λ ± iπ(1 − λ)/λ: the
 /// nearer λ is to 1, the more it is one lag. Points are crowded there: their number up to x is
 /// N(x) = x/h + c asinh((x − x_c)/d).
 class CrowdedPoints {

@@ -15,7 +15,7 @@ namespace bodesmith::hysteresis {
 /// with 0 < η, λ < 1. Linear: one frequency, one ellipse, whatever the amplitude. s^α has its cut on the
 /// negative real axis, where F has no pole, so F is exactly a spread of first-order lags,
 ///   F(s) = K_p − s ∫ r(σ)/(σ (s + σ)) dσ,   r(σ) = −(1/π) Im F(σ e^(iπ)),
-/// and `modes` first-order sections (trapezoid rule in ln σ, points crowded where r has its pole beside the
+/// and `modes` first-order sections (trapezoid rule in ln σ, points crowded where r has its pole near the
 /// axis) are the simulation by sections. They, the lag and the resonance are propagated exactly for an input
 /// that is linear between samples, at any sampling time.
 ///

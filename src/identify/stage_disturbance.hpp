@@ -67,7 +67,7 @@ struct StageDisturbance {
   const BranchPair& gain(const LoopAtFrequency& loop) const {
     return reading == GainReading::as_printed ? loop.as_printed : loop.gain;
   }
-  /// `disturbance` and beside it, under "identified", everything above.
+  /// `disturbance` and next to it, under "identified", everything above.
   Json to_json() const;
   /// frequency_hz,gain of the varying branch.
   std::string gains_csv() const;

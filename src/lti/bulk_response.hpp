@@ -28,7 +28,7 @@ class BulkResponse {
  private:
   double gain_ = 1.0;
   double delay_s_ = 0.0;
-  // One numerator beside each denominator; constants (1) where there is no zero.
+  // One numerator for each denominator; constants (1) where there is no zero.
   std::vector<Quadratic> numerators_;
   std::vector<Quadratic> denominators_;
 };

@@ -45,7 +45,7 @@ std::vector<Hertz> peaks_of(const Sampled& at) {
   }
   std::vector<Hertz> out;
   for (const std::vector<double>& one : {level, angle, relative}) {
-    const std::vector<Hertz> more = beside_peaks(at.grid, one);
+    const std::vector<Hertz> more = around_peaks(at.grid, one);
     out.insert(out.end(), more.begin(), more.end());
   }
   std::ranges::sort(out);
@@ -53,7 +53,7 @@ std::vector<Hertz> peaks_of(const Sampled& at) {
   return out;
 }
 
-/// `add` what stands beside the `peaks`, until there is nothing to add.
+/// `add` what stands near the `peaks`, until there is nothing to add.
 template <typename Peaks, typename Add>
 void refine_at_peaks(const Peaks& peaks, const Add& add) {
   for (int round = 0; round < kPeakRounds; ++round) {
@@ -73,7 +73,7 @@ Responses at_each(std::function<Complex(RadPerSecond)> response) {
   };
 }
 
-std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vector<double>& curve) {
+std::vector<Hertz> around_peaks(const std::vector<Hertz>& grid, const std::vector<double>& curve) {
   constexpr double kNear = 0.9;
   std::vector<Hertz> out;
   if (grid.size() < 2) return out;
@@ -94,7 +94,7 @@ std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vecto
 double refined_maximum(std::vector<Hertz> grid, const std::function<double(Hertz)>& curve) {
   std::vector<double> values;
   for (const Hertz f : grid) values.push_back(curve(f));
-  refine_at_peaks([&] { return beside_peaks(grid, values); },
+  refine_at_peaks([&] { return around_peaks(grid, values); },
                   [&](const std::vector<Hertz>& more) {
                     for (const Hertz f : more) {
                       const auto at = std::upper_bound(grid.begin(), grid.end(), f) - grid.begin();

@@ -15,12 +15,12 @@ using Responses = std::function<std::vector<Complex>(const std::vector<Hertz>&)>
 Responses at_each(std::function<Complex(RadPerSecond)> response);
 
 /// Frequencies halfway (in log) on both sides of every peak of a curve that comes within a tenth of its largest value.
-std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vector<double>& curve);
+std::vector<Hertz> around_peaks(const std::vector<Hertz>& grid, const std::vector<double>& curve);
 
-/// Rounds of beside_peaks() after which a maximum is met within a part in ten thousand.
+/// Rounds of around_peaks() after which a maximum is met within a part in ten thousand.
 inline constexpr int kPeakRounds = 6;
 
-/// The largest value of a curve, from one on a grid that is made finer beside its peaks.
+/// The largest value of a curve, from one on a grid that is made finer near its peaks.
 double refined_maximum(std::vector<Hertz> grid, const std::function<double(Hertz)>& curve);
 
 /// The largest differences over the band, between the points of any grid: compare_responses() on a judging_grid() that is

@@ -10,7 +10,7 @@ namespace bodesmith {
 /// Nepers (and radians) that a neper of frequency is worth to a judge: 1 dB (6.6 degrees) a percent.
 inline constexpr double kFlankRate = 0.11512925464970229 / 0.01;
 
-/// A response on a grid, as a judge of others sees it. Beside a zero on the axis or a sharp resonance a response changes by
+/// A response on a grid, as a judge of others sees it. Near a zero on the axis or a sharp resonance a response changes by
 /// tens of decibels within a percent of frequency, and preferred values miss frequencies by a part of a percent: an error in
 /// decibels at one frequency says nothing there. The curve may therefore be moved sideways before it is compared, and a
 /// percent of that counts as a decibel (6.6 degrees, the same change of a complex number). An error is

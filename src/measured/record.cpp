@@ -131,7 +131,7 @@ double noise_of(const gap::Diagnosis& d) {
   return d.floor.source == gap::NoiseFloor::Source::unknown ? 0.0 : d.floor.rms;
 }
 
-/// Where what is left beside the one part that is accused is other parts' tolerances: that part by as much as it is off beside
+/// Where what is left besides the one part that is accused is other parts' tolerances: that part by as much as it is off in addition to
 /// theirs.
 bool the_rest_is_tolerances(gap::Diagnosis& d, const TimeRecord& record, double noise_rms) {
   const auto step = std::find_if(d.steps.begin(), d.steps.end(),
@@ -207,7 +207,7 @@ Found diagnosed(const Chain& built, const TimeRecord& record, const gap::Study& 
   Chain base = built;
   if (std::any_of(built.blocks.begin(), built.blocks.end(), has_curves_of_a_stage)) {
     if (explains(with_free_curves(built), 0)) return out;
-    // With more to find: where the curves leave less than any name does, beside them.
+    // With more to find: where the curves leave less than any name does, alongside them.
     if (left() < by_one_name) base = out.base;
   }
   explains(base, options.max_terms);

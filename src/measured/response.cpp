@@ -46,7 +46,7 @@ synthesis::Circuit with_values(synthesis::Circuit out, const faults::Finding& fi
   return out;
 }
 
-/// The part that rework solders across another, of a preferred value; drawn beside that one.
+/// The part that rework solders across another, of a preferred value; drawn next to that one.
 synthesis::Circuit with_part_across(synthesis::Circuit out, const faults::Rework::Across& across) {
   Part more = out.parts[across.part];
   const bool resistor = more.kind == Part::Kind::resistor;

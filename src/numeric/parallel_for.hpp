@@ -48,7 +48,7 @@ class Team {
   virtual std::uint64_t from_leader(std::uint64_t value) const { return value; }
 };
 
-/// Joins the MPI job when the program was started by mpirun and MPI support was built (a module beside the
+/// Joins the MPI job when the program was started by mpirun and MPI support was built (a module next to the
 /// program, loaded only then: a program started alone pays nothing for it); otherwise a team of one. Throws
 /// InputError when started by mpirun without MPI support. Leaves the job when destroyed.
 std::unique_ptr<Team> join_team();

@@ -90,7 +90,7 @@ struct Project {
   std::optional<Plant> plant;  ///< absent: a response to build, nothing to track
 
   /// The references that the stage must follow. The design is chosen and stated for the first waveform at the
-  /// largest amplitude; the others are followed beside it.
+  /// largest amplitude; the others are followed alongside it.
   struct Track {
     std::vector<tracking::Reference::Shape> waveforms = {tracking::Reference::Shape::triangle};
     std::vector<double> amplitudes = {1.0};  ///< of the full stroke

@@ -274,8 +274,8 @@ struct Deviations {
   std::vector<MultiplierDeviation> multiplier;  ///< by place in Netlist::multipliers
   std::vector<double> source;                   ///< relative, by place in Netlist::sources
   double switch_relative = 0.0;                 ///< of the contacts' resistance
-  double switch_charge_c = 0.0;                 ///< beside the model's
-  double switch_delay_s = 0.0;                  ///< beside the model's
+  double switch_charge_c = 0.0;                 ///< in addition to the model's
+  double switch_delay_s = 0.0;                  ///< in addition to the model's
 
   /// Every list at its length, all 0.
   static Deviations none(const Netlist& netlist) {

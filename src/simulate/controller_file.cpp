@@ -41,7 +41,8 @@ LoopSetup controller_from_node(const Node& node, const std::filesystem::path& fo
   c.upper = node.number_or("upper", c.upper);
   if (!(c.lower < c.upper)) node.at("upper").fail("is not above lower");
   if (node.has("filter")) {
-    if (node.has("feedforward")) node.at("filter").fail("stands beside a feedforward, expected one of them");
+    if (node.has("feedforward"))
+      node.at("filter").fail("stands together with a feedforward, expected one of them");
     const Node filter = node.at("filter");
     out.filter = filter.kind() == Node::Kind::string ? Sections::read(folder / filter.string(), from)
                                                      : Sections::from_node(filter);

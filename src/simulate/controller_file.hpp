@@ -33,7 +33,7 @@ struct LoopSetup {
 ///   upper = 1.1
 ///   filter = "notch.json"         # sections.json behind the limits; or its keys here
 ///   feedforward = "inverse.toml"  # the inverse that compensate writes, or a model.toml, or a CSV with time_s,u; relative to this file
-/// Gains may have either sign. What `tune` writes beside these keys is passed over. Errors name file and line.
+/// Gains may have either sign. What `tune` writes besides these keys is passed over. Errors name file and line.
 LoopSetup read_controller(const std::filesystem::path& path, Provenance& from);
 /// The same from a document at hand; `feedforward` is relative to `folder`.
 LoopSetup controller_from_node(const Node& node, const std::filesystem::path& folder, Provenance& from);

@@ -25,7 +25,7 @@ struct Crossings {
 };
 
 /// Cycles of the fundamental in one repetition of u: 60 Hz at 4 kHz repeats after 200 samples and 3 cycles. The
-/// strongest line, when the lines beside its multiples are below a hundredth of it (sampling folds the high harmonics of
+/// strongest line, when the lines near its multiples are below a hundredth of it (sampling folds the high harmonics of
 /// a kinked signal between them); else 1.
 std::size_t cycles_of(const Spectrum& u) {
   if (u.amplitude.size() < 3) return 1;

@@ -12,7 +12,7 @@ namespace bodesmith::tolerance {
 /// Deviations beyond these are counted as these: a null of the response, dB.
 constexpr double kMaxDeviationDb = 400.0;
 
-/// The wanted response as a judge of the worst deviations sees it, on the grid of judge_responses() beside this one: where points
+/// The wanted response as a judge of the worst deviations sees it, on the grid of judge_responses() next to this one: where points
 /// below the floor are left out, the curve goes down to it.
 class Judge {
  public:

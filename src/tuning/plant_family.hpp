@@ -35,7 +35,7 @@ struct PlantSpread {
 };
 
 /// From one file each: a measured complex response (fitted by fit_measured()), sections.json (its `fit` states standard
-/// deviations) or a linear model.toml. Beside the nominal plant stand: each parameter of a fit moved by `sigmas` of its
+/// deviations) or a linear model.toml. Next to the nominal plant stand: each parameter of a fit moved by `sigmas` of its
 /// deviations, up and down, one at a time, its gain at rest kept; the corners of `gain_percent` and `frequency_percent`; and
 /// the other files. InputError for a plant without a response, or with no more than a gain.
 PlantFamily read_plants(const std::vector<std::string>& files, const PlantSpread& spread, Provenance& from);

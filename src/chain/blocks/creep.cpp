@@ -5,7 +5,7 @@
 namespace bodesmith::chain {
 namespace {
 
-/// H(s) = 1 + sum gains[i]/(1 + s time_constants_s[i]): slow relaxation beside the direct path.
+/// H(s) = 1 + sum gains[i]/(1 + s time_constants_s[i]): slow relaxation in parallel with the direct path.
 class Creep final : public BlockType {
  public:
   Creep()

@@ -11,9 +11,10 @@ constexpr double kLeakRadS = 1e-12;
 class Integrator final : public BlockType {
  public:
   Integrator()
-      : BlockType("integrator", "gain/s, from 0; with `proportional` a PI",
-                  {any_number("gain_per_s", "y/(u s)", "slope of y for an input of 1"),
-                   any_number("proportional", "y/u", "gain of a path beside it").with_default(0.0)}) {}
+      : BlockType(
+            "integrator", "gain/s, from 0; with `proportional` a PI",
+            {any_number("gain_per_s", "y/(u s)", "slope of y for an input of 1"),
+             any_number("proportional", "y/u", "gain of a path in parallel with it").with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override {
     // The state is the integral itself, so that tolerances mean what they say.
     LinearKernel k;

@@ -11,8 +11,8 @@ namespace {
 /// superposition: A. Preumont, Vibration Control of Active Structures, 2011, ch. 2). Neighbours of one sign have a zero
 /// between them, those of opposite signs have none, or zeros in the right half-plane.
 ///
-/// R(s) = 1; with beside_hz above 0 it is 1 + 2 zeta_0 s/w_0 + s^2/w_0^2, and takes a resonator of these values, which
-/// stands elsewhere in the chain, out of the modes' path: they then stand beside that resonator, their gains are parts of
+/// R(s) = 1; with resonator_hz above 0 it is 1 + 2 zeta_0 s/w_0 + s^2/w_0^2, and takes a resonator of these values, which
+/// stands elsewhere in the chain, out of the modes' path: they then stand in parallel with that resonator, their gains are parts of
 /// its gain.
 class ParallelModes final : public BlockType {
  public:
@@ -22,10 +22,10 @@ class ParallelModes final : public BlockType {
             {list_of(any_number("gains", "1", "share of each mode at DC, of either sign")),
              list_of(above_zero("natural_frequencies_hz", "Hz", "undamped natural frequency of each mode")),
              list_of(above_zero("damping_ratios", "1", "zeta of each mode")),
-             not_negative("beside_hz", "Hz",
+             not_negative("resonator_hz", "Hz",
                           "natural frequency of the resonator that they are in parallel with, 0: none")
                  .with_default(0.0),
-             not_negative("beside_damping_ratio", "1", "zeta of that resonator").with_default(0.0)}) {}
+             not_negative("resonator_damping_ratio", "1", "zeta of that resonator").with_default(0.0)}) {}
   std::string validate(const Block& block) const override {
     const std::size_t count = block.list("gains").size();
     return block.list("natural_frequencies_hz").size() == count &&
@@ -40,8 +40,8 @@ class ParallelModes final : public BlockType {
     const auto frequencies = block.list("natural_frequencies_hz");
     const auto dampings = block.list("damping_ratios");
     const std::size_t order = 2 * gains.size();
-    const double beside_hz = block.get("beside_hz");
-    const double beside_damping = block.get("beside_damping_ratio");
+    const double resonator_hz = block.get("resonator_hz");
+    const double resonator_damping = block.get("resonator_damping_ratio");
     LinearKernel k;
     k.a.assign(order * order, 0.0);
     k.b.assign(order, 0.0);
@@ -54,9 +54,9 @@ class ParallelModes final : public BlockType {
       k.a[(at + 1) * order + at] = -w;
       k.a[(at + 1) * order + at + 1] = -2.0 * dampings[i] * w;
       k.b[at + 1] = w;
-      const double ratio = beside_hz > 0.0 ? frequencies[i] / beside_hz : 0.0;
+      const double ratio = resonator_hz > 0.0 ? frequencies[i] / resonator_hz : 0.0;
       k.c[at] = gains[i] * (1.0 - ratio * ratio);
-      k.c[at + 1] = gains[i] * 2.0 * ratio * (beside_damping - ratio * dampings[i]);
+      k.c[at + 1] = gains[i] * 2.0 * ratio * (resonator_damping - ratio * dampings[i]);
       k.d += gains[i] * ratio * ratio;
     }
     return k;
@@ -64,16 +64,16 @@ class ParallelModes final : public BlockType {
   std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     // Asked for each point of each run: in the order of the specs, without copies.
     const auto& values = block.parameters();
-    const std::size_t count = (values.size() - kBeside) / kLists;
+    const std::size_t count = (values.size() - kResonatorValues) / kLists;
     const double hz = w.hz().value;
     Complex sum = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
       const double r = hz / values[count + i].value;
       sum += values[i].value * inverse_of_mode(r, values[2 * count + i].value);
     }
-    const double beside_hz = values[kLists * count].value;
-    if (!(beside_hz > 0.0)) return 1.0 + sum;
-    const double r = hz / beside_hz;
+    const double resonator_hz = values[kLists * count].value;
+    if (!(resonator_hz > 0.0)) return 1.0 + sum;
+    const double r = hz / resonator_hz;
     return 1.0 + Complex(1.0 - r * r, 2.0 * values[kLists * count + 1].value * r) * sum;
   }
   double slowest_time_constant_s(const Block& block) const override {
@@ -89,7 +89,7 @@ class ParallelModes final : public BlockType {
  private:
   /// Lists of a number each mode, and the numbers behind them.
   static constexpr std::size_t kLists = 3;
-  static constexpr std::size_t kBeside = 2;
+  static constexpr std::size_t kResonatorValues = 2;
 
   /// 1/(1 - r^2 + 2 zeta r j)
   static Complex inverse_of_mode(double r, double damping) {

@@ -38,7 +38,7 @@ std::string in_quotes(std::string_view text) {
   return out;
 }
 
-/// Descriptions beside an option are one line of a terminal.
+/// Descriptions next to an option are one line of a terminal.
 std::string short_text(const std::string& what) {
   constexpr std::size_t kLongest = 70;
   const std::string text = in_quotes(what);

@@ -224,7 +224,7 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
   add_image("largest image below 100 kHz", plan.image);
   add_image("largest image within the band", plan.image_in_band);
   if (plan.image_in_band && plan.total)
-    out += fmt::format("all images within the band: {} % rms beside a sine of the band\n",
+    out += fmt::format("all images within the band: {} % rms for a sine of the band\n",
                        rounded_text(plan.total->image_percent, 2));
   out += trade_off_text(plan);
   return out;

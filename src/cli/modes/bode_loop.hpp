@@ -27,7 +27,7 @@ void add_loop_options(CommandLine& line);
 /// All of them one after the other.
 ResponseSource series_of(const std::vector<ResponseSource>& sources);
 
-/// Columns that were asked for beside magnitude and phase.
+/// Columns that were asked for in addition to magnitude and phase.
 std::vector<ExtraColumn> extra_columns(const CommandLine& line, const std::vector<Hertz>& grid,
                                        const BodeResponse& response);
 

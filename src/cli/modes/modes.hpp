@@ -15,7 +15,7 @@ namespace bodesmith::cli {
 void add_fractional_options(CommandLine& line);
 int approximate_fractional(const CommandLine& line);
 
-/// `identify --disturbance`: its options beside those of `identify`, and the work.
+/// `identify --disturbance`: its options in addition to those of `identify`, and the work.
 void add_disturbance_options(CommandLine& line);
 int identify_disturbance_mode(const CommandLine& line);
 

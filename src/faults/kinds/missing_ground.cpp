@@ -28,9 +28,9 @@ class MissingGround : public FaultKind {
     const auto& opamps = board.circuit().opamps;
     for (std::size_t i = 0; i < opamps.size(); ++i) {
       if (opamps[i].plus != "0") continue;
-      Fault beside_minus = start(opamps[i].name, kFollowsMost, kFollowsLeast);
-      beside_minus.effect = [&board, i](double t) { return roughly(board.inputs_follow(i, std::exp(t))); };
-      out.push_back(std::move(beside_minus));
+      Fault follows_minus = start(opamps[i].name, kFollowsMost, kFollowsLeast);
+      follows_minus.effect = [&board, i](double t) { return roughly(board.inputs_follow(i, std::exp(t))); };
+      out.push_back(std::move(follows_minus));
       for (const std::string& node : near_nodes(board.circuit(), opamps[i])) {
         Fault pickup = start(opamps[i].name, kPicksUpLeast, 1.0);
         pickup.effect = [&board, i, node](double t) {

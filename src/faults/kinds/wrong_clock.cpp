@@ -9,7 +9,7 @@
 namespace bodesmith::faults {
 namespace {
 
-/// Divisors that are mistaken for one another, beside the chip's other clocks.
+/// Divisors that are mistaken for one another, besides the chip's other clocks.
 constexpr double kFactors[] = {2.0, 0.5, 4.0, 0.25};
 
 class WrongClock : public FaultKind {

@@ -174,7 +174,7 @@ std::optional<DirectSearch> search_from_rational(const DirectProblem& problem,
 
 /// How much a search from many starts does. One that has a good fit already looks for other valleys only.
 struct SearchEffort {
-  bool both_kinds = true;  ///< real roots beside pairs
+  bool both_kinds = true;  ///< real roots as well as pairs
   int random = 24;
   int iterations = 40;        ///< of a start that is screened
   std::size_t finished = 99;  ///< so many of the screened ones are refined to the end

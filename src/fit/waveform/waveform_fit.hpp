@@ -35,7 +35,7 @@ struct WaveformFit {
   WaveformError none;          ///< no rate compensation, gain 1
   double constant_gain = 1.0;  ///< best fixed gain in the norm asked for
   WaveformError constant;
-  /// The magnitude-only way beside it: the fractional cascade interpolated through the rate gains
+  /// The magnitude-only way next to it: the fractional cascade interpolated through the rate gains
   /// (cascade_fit.hpp).
   WaveformError magnitude_only;
   /// No linear filter, causal or not, of any order is better (in the norm asked for; waveform_problem.hpp).

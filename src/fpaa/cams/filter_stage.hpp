@@ -46,7 +46,7 @@ struct FilterStage {
   Resources resources() const;
   /// Which input this capacitor reads; -1: none (a feedback).
   int input_of(std::size_t capacitor) const;
-  /// An input capacitor beside a larger one of the same input: where it does not come to a unit, the stage does without.
+  /// An input capacitor next to a larger one of the same input: where it does not come to a unit, the stage does without.
   bool may_be_left_out(std::size_t capacitor) const;
   /// Poles inside the unit circle (Jury's conditions).
   bool is_stable() const;

@@ -24,7 +24,7 @@ constexpr double kCompensatorShare = 0.7;
 /// Largest weight of a sum aimed at: a capacitor ratio near 1 has the finest steps.
 constexpr double kGreatestWeight = 1.5;
 constexpr int kWeightPoints = 101;
-/// A line beside the table is taken when the table's slope, rms over the range, falls to this share or less:
+/// A line in parallel with the table is taken when the table's slope, rms over the range, falls to this share or less:
 /// the 8 bits of the converter then act on a flatter remainder.
 constexpr double kLinePays = 0.8;
 

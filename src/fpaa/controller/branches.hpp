@@ -14,7 +14,7 @@ struct BranchInputs {
   std::vector<std::string> powers;  ///< of the sums, in the order of their weights; empty with look-up
 };
 
-/// What a branch's look-up table holds: minus the part of d that a line beside it leaves, over its greatest
+/// What a branch's look-up table holds: minus the part of d that a line in parallel with it leaves, over its greatest
 /// value, at 3 V. (What follows the table inverts.) The line is there where it flattens the table: the 8 bits
 /// of the converter then act on a small remainder.
 struct TableShape {

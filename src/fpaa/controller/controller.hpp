@@ -13,7 +13,7 @@ namespace bodesmith::fpaa {
 
 /// How the branch polynomials d(x) = a1 x + a2 x^2 + a3 x^3 are made.
 enum class PolynomialBy {
-  outside,      ///< AD835 multipliers and a branch switch beside the board; weights on the board
+  outside,      ///< AD835 multipliers and a branch switch off the board; weights on the board
   multipliers,  ///< Multiplier CAMs (one input through 8 bits); weights on the board
   lookup,       ///< a TransferFunction CAM a branch (256 bytes; one table a chip)
 };
@@ -61,7 +61,7 @@ struct ControllerCam : WiredCam {
   std::optional<Disturbance::Branch> scheduled;  ///< its weights carry this branch's rate gain
 };
 
-/// What stands or comes from beside the board.
+/// What stands or comes from off the board.
 struct OutsidePart {
   enum class Kind {
     reference,   ///< r, in volts by the variant's VoltScale

@@ -128,7 +128,7 @@ class ControllerLayout {
     return out;
   }
 
-  /// The sign of the reference's slope: a high pass, a gain that may clip, a comparator. Beside the board
+  /// The sign of the reference's slope: a high pass, a gain that may clip, a comparator. Off the board
   /// where the switch stands there too.
   void add_slope_detector() {
     if (switches_outside()) return;

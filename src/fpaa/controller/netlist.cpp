@@ -5,7 +5,7 @@
 namespace bodesmith::fpaa {
 namespace {
 
-/// V(node) of a part beside the board.
+/// V(node) of a part off the board.
 std::string part_line(const OutsidePart& part, const VoltScale& scale,
                       const std::vector<std::string>& inputs) {
   const std::string node = output_node(part.name);
@@ -40,8 +40,8 @@ std::string controller_netlist(const ControllerVariant& variant, const NetlistPa
     links.push_back(part_line(part, variant.scale, nodes_of(part.inputs)));
   links.push_back(fmt::format("Bv v 0 V=V({})/{:.15g}+{:.15g}", output_node(variant.drive),
                               variant.scale.volts_per_stroke, variant.scale.centre));
-  return switched_library("controller r rising v", "the controller, and what stands beside the board,",
-                          stages, links, parts, title);
+  return switched_library("controller r rising v", "the controller, and what stands off the board,", stages,
+                          links, parts, title);
 }
 
 }  // namespace bodesmith::fpaa

@@ -76,12 +76,12 @@ enum class Column { odd, even };
 constexpr Column column_of(int cab) {
   return cab % 2 == 1 ? Column::odd : Column::even;
 }
-/// Cells 1, 2, 5, 6 stand beside CAB 1 and 2, cells 3, 4, 7 beside CAB 3 and 4.
+/// Cells 1, 2, 5, 6 stand next to CAB 1 and 2, cells 3, 4, 7 next to CAB 3 and 4.
 constexpr bool is_low(int cell) {
   return cell == 1 || cell == 2 || cell == 5 || cell == 6;
 }
-/// The CAB of a column beside a cell.
-constexpr int cab_beside(int cell, Column column) {
+/// The CAB of a column next to a cell.
+constexpr int cab_next_to(int cell, Column column) {
   return (is_low(cell) ? 1 : 3) + (column == Column::odd ? 0 : 1);
 }
 struct Nibble {

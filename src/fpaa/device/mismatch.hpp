@@ -32,12 +32,12 @@ struct MismatchModel {
 /// adds there). Cheap and smooth, for a search; plan_total() and `yield` draw boards.
 double error_of_95_percent(std::complex<double> offset, double sigma);
 
-/// What kT/C noise needs beside the capacitors in units. The unit capacitance is not publicly known: an
+/// What kT/C noise needs besides the capacitors in units. The unit capacitance is not publicly known: an
 /// ASSUMPTION that the user may set.
 struct NoiseModel {
   double unit_capacitance_f = 50e-15;
   double temperature_k = 300.0;
-  /// How much noise counts in a search beside the error: this times the noise in the band as a share of a
+  /// How much noise counts in a search besides the error: this times the noise in the band as a share of a
   /// full-scale sine (3 V: 2.12 V rms).
   double weight = 1.0;
 

@@ -69,13 +69,13 @@ class LineUse {
       // Loops to output pins go over the odd column unless the even one is used anyway.
       const bool loops = !pin.loops.empty() && column == loop_column(pin, cell);
       if (cabs.empty() && !loops) continue;
-      const int beside = cab_beside(cell, column);
-      if (!loops && std::ranges::all_of(cabs, [&](int cab) { return cab == beside; })) {
-        int& used = direct_lines_[static_cast<std::size_t>(beside - 1)];
+      const int next_to = cab_next_to(cell, column);
+      if (!loops && std::ranges::all_of(cabs, [&](int cab) { return cab == next_to; })) {
+        int& used = direct_lines_[static_cast<std::size_t>(next_to - 1)];
         if (used == kLines) return false;
         ++used;
         out_.nibbles.push_back({cell, column, kNibbleDirect + used - 1});
-        out_.selectors[{pin.name, beside}] = direct_line_selector(beside, used);
+        out_.selectors[{pin.name, next_to}] = direct_line_selector(next_to, used);
         continue;
       }
       const int line = column_line(column, {cell, 0, 0});
@@ -97,7 +97,7 @@ class LineUse {
   static Column loop_column(const PinNeed& pin, int cell) {
     for (const Column column : kBothColumns) {
       for (const int cab : pin.cabs) {
-        if (column_of(cab) == column && cab != cab_beside(cell, column)) return column;
+        if (column_of(cab) == column && cab != cab_next_to(cell, column)) return column;
       }
     }
     return pin.cabs.empty() || column_of(pin.cabs.front()) == Column::even ? Column::odd : Column::even;
@@ -107,7 +107,7 @@ class LineUse {
     if (pin.cab == 0) return true;  // its input pin has done it
     const int cell = cells.at(pin.name);
     const Column column = column_of(pin.cab);
-    if (cab_beside(cell, column) == pin.cab) {
+    if (cab_next_to(cell, column) == pin.cab) {
       out_.nibbles.push_back({cell, column, pin.opamp == 1 ? kNibbleOpAmp1 : kNibbleOpAmp2});
       return true;
     }

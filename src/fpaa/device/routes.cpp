@@ -107,7 +107,7 @@ void Routes::input_cell(int number) {
     const int n = nibble(number, column);
     const CircuitNode pin{Kind::pin, 0, number};
     if (is_direct_nibble(n)) {
-      const auto cab = static_cast<std::size_t>(cab_beside(number, column) - 1);
+      const auto cab = static_cast<std::size_t>(cab_next_to(number, column) - 1);
       direct_lines_[cab][static_cast<std::size_t>(n - kNibbleDirect)].drivers.push_back(pin);
     } else if (is_column_nibble(n)) {
       column_line(column, n - kNibbleColumnLine + 1).drivers.push_back(pin);
@@ -128,7 +128,7 @@ void Routes::output_cell(int number) {
     if (n == 0) continue;
     ++sources;
     if (is_opamp_nibble(n)) {
-      cell.source = {Kind::opamp, cab_beside(number, column), n == kNibbleOpAmp1 ? 1 : 2};
+      cell.source = {Kind::opamp, cab_next_to(number, column), n == kNibbleOpAmp1 ? 1 : 2};
     } else if (is_column_nibble(n)) {
       cell.source = column_line(column, n - kNibbleColumnLine + 1).driver();
     } else {

@@ -57,7 +57,7 @@ GainPlace known_address(const std::string& text, const std::string& option) {
   return out;
 }
 
-/// Where a capacitor of the table stands; its double ("aCin" beside "Cin") too.
+/// Where a capacitor of the table stands; its double ("aCin" next to "Cin") too.
 std::vector<MemoryPlace> table_places(const ApiProject::Cam& cam, const std::string& name) {
   std::vector<MemoryPlace> out;
   for (const ApiProject::Capacitor& c : cam.capacitors) {

@@ -459,15 +459,15 @@ std::vector<Complex> PeriodicNetworks::components(RadPerSecond sine,
 
 std::vector<std::vector<PeriodicNetworks::NodeSize>> PeriodicNetworks::nodes(RadPerSecond w) const {
   std::vector<SineWaveform> known;
-  std::vector<std::vector<NodeSize>> of_node;    // each part by itself
-  std::vector<std::vector<double>> beside_gain;  // largest departure of each from its own sine
+  std::vector<std::vector<NodeSize>> of_node;           // each part by itself
+  std::vector<std::vector<double>> departures_of_part;  // largest departure of each from its own sine
   for (const Node& node : nodes_) {
     const Inputs in = inputs_of(node, known, w.value);
     std::vector<std::size_t> all;
     for (std::size_t k = 0; k < node.clocked.opamps(); ++k) all.push_back(k);
     std::vector<SineWaveform> waves = waveforms(node, in, all);
     std::vector<NodeSize> sizes;
-    std::vector<double> beside;
+    std::vector<double> departures;
     for (const SineWaveform& wave : waves) {
       NodeSize size{mean(wave, known, w.value, w.value), 0.0};
       double largest = 0.0, departure = 0.0;  // squared
@@ -477,11 +477,11 @@ std::vector<std::vector<PeriodicNetworks::NodeSize>> PeriodicNetworks::nodes(Rad
       });
       size.largest = std::sqrt(largest);
       sizes.push_back(size);
-      beside.push_back(std::sqrt(departure));
+      departures.push_back(std::sqrt(departure));
     }
     known.push_back(std::move(waves[node.clocked.output()]));
     of_node.push_back(std::move(sizes));
-    beside_gain.push_back(std::move(beside));
+    departures_of_part.push_back(std::move(departures));
   }
   std::vector<std::vector<NodeSize>> out;
   for (const std::vector<std::size_t>& parts : parts_) {
@@ -492,7 +492,7 @@ std::vector<std::vector<PeriodicNetworks::NodeSize>> PeriodicNetworks::nodes(Rad
       sum[k].gain = 0.0;
       for (const std::size_t part : parts) {
         sum[k].gain += of_node[part][k].gain;
-        departure += beside_gain[part][k];
+        departure += departures_of_part[part][k];
       }
       sum[k].largest = std::abs(sum[k].gain) + departure;
     }
@@ -538,7 +538,7 @@ class PeriodicNetworks::NoisePass {
     q = solve_periodic(std::polar(1.0, per_tick_ * whole), loop.transpose(), q);
     const bool is_read = std::ranges::count(board_.parts_[*board_.output_], n) > 0;
     double out = 0.0;
-    double direct = 0.0;  // what the op-amps' noise is at the output beside what it leaves in charges
+    double direct = 0.0;  // what the op-amps' noise is at the output in addition to what it leaves in charges
     for (std::size_t at = owed_[n].size(); at-- > 0;) {
       const std::size_t i = at % node.pieces();
       const auto& interval = node.clocked.intervals()[node.interval[i]];

@@ -15,7 +15,7 @@ namespace bodesmith::fpaa {
 double size_of_turns(double turn, double turns);
 
 /// A voltage in the periodic steady state under the input exp(j w t): alpha_i + beta_i exp(j w t) from edge[i] to
-/// edge[i+1] (ticks; one edge more than pieces), a turn of exp(j w edge.back()) later the same again. Beside that gamma_i times
+/// edge[i+1] (ticks; one edge more than pieces), a turn of exp(j w edge.back()) later the same again. In addition to that gamma_i times
 /// the waveform of the node that it follows, of which each piece then takes in whole periods.
 struct SineWaveform {
   const std::vector<std::int64_t>* edges = nullptr;

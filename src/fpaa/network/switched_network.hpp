@@ -56,7 +56,7 @@ struct ChargeMap {
   /// kT times the unit of capacitance (nodes x nodes).
   Eigen::MatrixXd noise;
 
-  /// Of the op-amps with a bandwidth, x their outputs beside the above while no switch moves:
+  /// Of the op-amps with a bandwidth, x their outputs in addition to the above while no switch moves:
   ///   dx/dt = 2 pi f (v(plus) - v(minus) + e) = A x + 2 pi f e,   e white.
   struct OpAmpNoise {
     std::vector<Eigen::Index> of;  ///< their indices

@@ -27,7 +27,7 @@ namespace bodesmith::fpaa {
 /// every clock begins at 0. Analogue outputs clip at the board's full scale.
 class BoardRun {
  public:
-  /// Something beside the board that needs no clock.
+  /// Something off the board that needs no clock.
   struct Part {
     std::string name;
     std::vector<std::string> inputs;

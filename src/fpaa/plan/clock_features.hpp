@@ -19,13 +19,13 @@ std::vector<ClockedPole> clocked_poles(const Plan& plan);
 /// Where a coarse grid misses what a sampled path does. A sampled response repeats about every multiple of its
 /// clock, its hold is zero just there: between the two a pole of width p leaves a dip of width p in an otherwise
 /// level response, at k fc and (complex poles) at k fc +- their frequency. Returned: those places, `offsets`
-/// widths beside each, for the first `multiples` of each clock, within the band. Poles above a sixth of their
+/// widths around each, for the first `multiples` of each clock, within the band. Poles above a sixth of their
 /// clock have no narrow feature. The multiples themselves are left out (offset 0 is not allowed): a line folds
 /// back onto the sine there, and the amplitude depends on the phase.
 std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
                                std::span<const double> offsets, int multiples);
 
-/// Lines that clocks put beside a sine, each once: k fc + f (below 0: the conjugate line above) for the first multiples and for those
+/// Lines that clocks put around a sine, each once: k fc + f (below 0: the conjugate line above) for the first multiples and for those
 /// whose lines are nearest to 0, without the sine's own; of these the ones whose |frequency| lies in the band.
 std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, double sine_hz, Band band);
 

@@ -107,7 +107,7 @@ void add_settling(const Plan& plan, ErrorBudget& out) {
   }
 }
 
-/// The plan for `kDrawnBoards` boards with other capacitors: over the band and beside sharp roots.
+/// The plan for `kDrawnBoards` boards with other capacitors: over the band and near sharp roots.
 DrawnBoard drawn_board(const SwitchedBoard& switched, const Sections& sections, Band band) {
   std::vector<Hertz> grid = log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDrawnBoards));
   const std::vector<Hertz> sharp = about_sharp_roots(sections, band);

@@ -23,7 +23,7 @@ double error_reference(const Sections& sections, RadPerSecond w) {
   return out;
 }
 
-bool beside_a_zero(const Sections& sections, RadPerSecond w) {
+bool is_near_zero(const Sections& sections, RadPerSecond w) {
   const Complex s(0.0, w.value);
   for (const Section& section : sections.sections) {
     for (const auto& zero : section.zeros) {
@@ -66,7 +66,7 @@ Band judged_band(const Sections& sections) {
 
 std::vector<Hertz> about_sharp_roots(const Sections& sections, Band band) {
   constexpr double kSharp = 0.2;  // width over frequency; wider ones the grid sees
-  constexpr double kBeside[] = {-3.0, -1.0, -0.4, 0.0, 0.4, 1.0, 3.0};
+  constexpr double kWidths[] = {-3.0, -1.0, -0.4, 0.0, 0.4, 1.0, 3.0};
   std::vector<Hertz> out;
   for (const Section& section : sections.sections) {
     for (const auto* roots : {&section.zeros, &section.poles}) {
@@ -74,8 +74,8 @@ std::vector<Hertz> about_sharp_roots(const Sections& sections, Band band) {
         const double size = std::abs(root);
         const double damping = std::max(std::abs(root.real()) / size, kLeastZeroDamping);
         if (root.imag() <= 0.0 || damping > kSharp) continue;
-        for (const double beside : kBeside) {
-          const Hertz f = RadPerSecond{root.imag() + beside * damping * size}.hz();
+        for (const double widths : kWidths) {
+          const Hertz f = RadPerSecond{root.imag() + widths * damping * size}.hz();
           if (f >= band.from && f <= band.to) out.push_back(f);
         }
       }

@@ -19,14 +19,14 @@ inline constexpr double kLeastZeroDamping = 0.02;
 double error_reference(const Sections& sections, RadPerSecond w);
 
 /// True where the reference is not |H| itself.
-bool beside_a_zero(const Sections& sections, RadPerSecond w);
+bool is_near_zero(const Sections& sections, RadPerSecond w);
 
 /// The band in which a board is judged when none is asked for: all corners, and the band that the sections
 /// state. Corners far outside a stated band (30 times below its lower end, or above 100 kHz: a fit that uses
 /// them as zeros at 0 or at infinity) do not widen it.
 Band judged_band(const Sections& sections);
 
-/// Frequencies about resonances and notches that a grid of the band would step over: some widths beside each.
+/// Frequencies about resonances and notches that a grid of the band would step over: some widths around each.
 std::vector<Hertz> about_sharp_roots(const Sections& sections, Band band);
 
 }  // namespace bodesmith::fpaa

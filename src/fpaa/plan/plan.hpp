@@ -75,7 +75,7 @@ struct PlanTotal {
   double offset_percent = 0.0;  ///< 0: not known
   double from_bound_db = 0.0;   ///< at_input_v against what input and output pin alone would let in
   /// Lines k fc +- f that lie in the band, all of a sine together: rms over sines spread evenly over the band's decades, of the
-  /// response asked for at the sine. Other frequencies than the sine's own, therefore beside p95_percent, not in it.
+  /// response asked for at the sine. Other frequencies than the sine's own, therefore next to p95_percent, not in it.
   double image_percent = 0.0;
 };
 
@@ -88,11 +88,11 @@ struct TradeOff {
   bool chosen = false;
 };
 
-/// What a board shows at the pin beside what was asked for, as a share of that, above which it is of no use: a quarter, 12 dB below.
+/// What a board shows at the pin besides what was asked for, as a share of that, above which it is of no use: a quarter, 12 dB below.
 /// As an error of the response the design is refused, as images in the band it is said.
 inline constexpr double kUselessShare = 0.25;
 
-/// A line that the switches add beside a sine.
+/// A line that the switches add to a sine.
 struct ImageLine {
   Hertz signal;  ///< the sine that has it
   Hertz line;

@@ -101,13 +101,13 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   constexpr std::size_t kSignals = 16;
   constexpr double kPieces = 1e6;  // of waveforms and their lines
   constexpr int kBeatMultiples = 3;
-  constexpr double kBesideClock[] = {-0.3, 0.3};
+  constexpr double kAroundClock[] = {-0.3, 0.3};
   const std::set<double> all = plan.clocks_hz();
   const std::vector<double> clocks(all.begin(), all.end());
   const double cost = static_cast<double>(board.pieces() * clocks.size() * kSignals);
   std::vector<Hertz> signals = log_grid(band, cost > kPieces ? kSignals / 2 : kSignals);
   const std::size_t spread = signals.size();
-  for (const Hertz f : near_clocks(clocked_poles(plan), band, kBesideClock, kBeatMultiples)) {
+  for (const Hertz f : near_clocks(clocked_poles(plan), band, kAroundClock, kBeatMultiples)) {
     signals.push_back(f);
   }
   ImageLines out;
@@ -130,7 +130,7 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
         if (most != nullptr && (!*most || line.magnitude_db > (*most)->magnitude_db)) *most = line;
       }
     }
-    if (s < spread) out.beside.push_back({f, std::sqrt(squares)});
+    if (s < spread) out.sines.push_back({f, std::sqrt(squares)});
   }
   return out;
 }

@@ -38,17 +38,17 @@ std::vector<BoardNodes> nodes_over(const SwitchedBoard& board, const std::vector
 Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board);
 
 /// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every clock, against the
-/// signal at the output. Sines beside a clock within the band are among
+/// signal at the output. Sines near a clock within the band are among
 /// them: what a slow path samples there comes out as a slow beat, whose line may be larger than the signal.
 struct ImageLines {
   std::optional<ImageLine> largest;  ///< below 100 kHz; nothing when none lies there
   std::optional<ImageLine> in_band;  ///< within the band
   /// Of sines spread evenly over the band's decades: the rms of all their lines within the band (1: the input's).
-  struct Beside {
+  struct Sine {
     Hertz signal;
     double rms = 0.0;
   };
-  std::vector<Beside> beside = {};
+  std::vector<Sine> sines = {};
 };
 ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band);
 

@@ -115,7 +115,7 @@ bool set_gain(Design& design, const StageFactorTable& table) {
   for (std::size_t i = 0; i < first.c.size(); ++i) {
     if (first.input_of(i) >= 0) first.c[i] *= std::exp(-size / count);
   }
-  // A sum behind the first stage reads the board's input beside it.
+  // A sum behind the first stage reads the board's input in addition to it.
   if (design.stages.size() > 1 && design.stages[1].from.size() == 2) {
     for (std::size_t i = 2; i < 4; ++i) design.stages[1].c[i] *= std::exp(-size / count);
   }

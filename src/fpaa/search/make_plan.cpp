@@ -19,8 +19,8 @@ namespace bodesmith::fpaa {
 namespace {
 
 constexpr int kStatedPoints = 801;  ///< of the errors that the plan states
-/// And beside the multiples of clocks within the band, in widths of the poles that are sampled there.
-constexpr double kBesideClocks[] = {-30.0, -10.0, -5.0, -3.0, -2.0, -1.4, -1.0, -0.7, -0.5, -0.3, -0.1,
+/// And near the multiples of clocks within the band, in widths of the poles that are sampled there.
+constexpr double kAroundClocks[] = {-30.0, -10.0, -5.0, -3.0, -2.0, -1.4, -1.0, -0.7, -0.5, -0.3, -0.1,
                                     0.1,   0.3,   0.5,  0.7,  1.0,  1.4,  2.0,  3.0,  5.0,  10.0, 30.0};
 constexpr int kStatedMultiples = 100;
 /// Where clocks have a long common period a frequency costs milliseconds.
@@ -32,9 +32,9 @@ PlanError stated_error(const Plan& plan, const SwitchedBoard& board, const Secti
   const bool costly = board.pieces() > kCostlyPieces;
   std::vector<Hertz> grid = log_grid(band, costly ? kCostlyPoints : kStatedPoints);
   if (with_delays && !costly) {
-    for (const auto& beside : {near_clocks(clocked_poles(plan), band, kBesideClocks, kStatedMultiples),
-                               about_sharp_roots(sections, band)})
-      grid.insert(grid.end(), beside.begin(), beside.end());
+    for (const auto& near : {near_clocks(clocked_poles(plan), band, kAroundClocks, kStatedMultiples),
+                             about_sharp_roots(sections, band)})
+      grid.insert(grid.end(), near.begin(), near.end());
     std::ranges::sort(grid, {}, &Hertz::value);
   }
   PlanError out;
@@ -48,8 +48,8 @@ PlanError stated_error(const Plan& plan, const SwitchedBoard& board, const Secti
       out.max_complex_percent = percent;
       out.worst = f;
     }
-    // Beside a zero on the axis a ratio says nothing.
-    if (beside_a_zero(sections, w)) continue;
+    // Near a zero on the axis a ratio says nothing.
+    if (is_near_zero(sections, w)) continue;
     const Complex ratio = got / wanted;
     out.max_magnitude_db = std::max(out.max_magnitude_db, std::abs(to_decibel(std::abs(ratio))));
     out.max_phase_deg = std::max(out.max_phase_deg, std::abs(to_degrees(std::arg(ratio))));
@@ -322,9 +322,9 @@ void state_figures(Plan& plan, const Sections& sections, Band band, const BoardA
   plan.image_in_band = images.in_band;
   plan.total = plan_total(plan, board, sections, assumptions);
   double squares = 0.0;
-  for (const ImageLines::Beside& sine : images.beside)
+  for (const ImageLines::Sine& sine : images.sines)
     squares += std::pow(sine.rms / error_reference(sections, sine.signal.rad_s()), 2);
-  plan.total->image_percent = 100.0 * std::sqrt(squares / static_cast<double>(images.beside.size()));
+  plan.total->image_percent = 100.0 * std::sqrt(squares / static_cast<double>(images.sines.size()));
   plan.assumptions = assumptions_of(plan);
   for (const PlacedCam* cam : plan.cams()) add_new(plan.notes, cam->cam->note(*cam));
 }

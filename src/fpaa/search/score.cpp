@@ -132,7 +132,7 @@ void raise_peaks(const DesignResponse& response, std::vector<NodePeak>& out) {
 
 std::vector<NodePeak> node_peaks(const DesignResponse& response) {
   constexpr int kAbove = 16;
-  constexpr double kBesideMultiple = 5e-4;  // of a clock: a slow stage takes for a constant what lies there
+  constexpr double kNearMultiple = 5e-4;  // of a clock: a slow stage takes for a constant what lies there
   constexpr int kMultiples = 3;
   std::vector<NodePeak> out(response.design().stages.size());
   raise_peaks(response, out);
@@ -148,7 +148,7 @@ std::vector<NodePeak> node_peaks(const DesignResponse& response) {
     if (s > 0 && stages[s].divisor == stages[s - 1].divisor) continue;
     const double clock = target.master_hz / static_cast<double>(stages[s].divisor);
     for (int k = 1; k <= kMultiples; ++k) {
-      const Hertz f{(k + kBesideMultiple) * clock};
+      const Hertz f{(k + kNearMultiple) * clock};
       if (f.value < top) above.grid.push_back(f.rad_s());
     }
   }

@@ -16,8 +16,8 @@ struct DesignScore {
   double noise = 0.0;     ///< kT/C noise within the band against the output's largest sine
   double input = 1.0;  ///< sine at the pin that no node clips at, in full scales (of boards drawn: or step)
   double bound = 1.0;  ///< the same if only the input and what is asked for within the band could clip
-  double image = 0.0;  ///< lines of the clocks within the band beside a sine (images.hpp)
-  /// What candidates are ranked by: what the pin shows beside what was asked for, of 95 % of boards. Images are other frequencies and
+  double image = 0.0;  ///< lines of the clocks within the band around a sine (images.hpp)
+  /// What candidates are ranked by: what the pin shows besides what was asked for, of 95 % of boards. Images are other frequencies and
   /// add by squares. Below the input worth keeping, what stands outside the board (offsets, drivers) is larger against the
   /// signal: taken as kOutside there, it grows as the input falls.
   double total() const;
@@ -35,7 +35,7 @@ struct DesignScore {
 /// The share of the bound that costs nothing.
 inline constexpr double kInputWorthKeeping = 2.0 / 3.0;
 inline constexpr double kOutside = 0.005;
-/// What is asked of a plan: an error that nobody sees beside the mismatch of parts, and a signal well above a board's offsets.
+/// What is asked of a plan: an error that nobody sees next to the mismatch of parts, and a signal well above a board's offsets.
 inline constexpr double kWantedDesigned = 0.005;
 inline constexpr double kWantedP95 = 0.015;
 inline constexpr double kWantedInputV = 1.0;
@@ -64,7 +64,7 @@ std::vector<NodePeak> node_peaks(const DesignResponse& response);
 /// by it; Schreier and Temes, Understanding Delta-Sigma Data Converters, 4.4, scaleABCD).
 void scale_nodes(Design& design, const StageFactorTable& table);
 
-/// What the switches put into the band beside a sine, in closed form: all lines k fc +- f of its clocks there together, against the
+/// What the switches put into the band around a sine, in closed form: all lines k fc +- f of its clocks there together, against the
 /// response asked for at the sine; rms over sines spread evenly over the band's decades. 0 where every clock is above twice the band.
 ///
 /// A stage of period T makes of a line m of its input, x the input and Tp the end of a phase,

@@ -260,7 +260,7 @@ std::optional<Stage> second_order_stage(const StageRoots& roots, double period) 
   }
   Quadratic n = in_delta(roots.zeros, period);
   if (roots.zeros.empty()) n.n0 = own.mu;
-  // The helping pole's lag is the fit's to take back, by a zero beside it.
+  // The helping pole's lag is the fit's to take back, by a zero next to it.
   if (roots.poles.size() == 1 && roots.zeros.size() == 1) n.n2 = kHelpingZero * n.n1;
   for (double* v : {&n.n0, &n.n1, &n.n2}) *v *= left;
   double beta0 = n.n0;

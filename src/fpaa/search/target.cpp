@@ -59,7 +59,7 @@ double corner_of(const DesignStage& stage, double master_hz) {
 }
 
 DesignTarget with_clocks_seen(DesignTarget target, const Design& design, const Sections& sections) {
-  constexpr double kBeside[] = {-10.0, -3.0, -1.0, -0.4, 0.4, 1.0, 3.0, 10.0};
+  constexpr double kWidths[] = {-10.0, -3.0, -1.0, -0.4, 0.4, 1.0, 3.0, 10.0};
   constexpr int kMultiples = 4;
   constexpr double kNarrow = 1.0 / 6.0;  // of the clock: wider ones the grid sees
   const double soft = 1.0 / *std::ranges::max_element(target.reciprocal);
@@ -68,8 +68,8 @@ DesignTarget with_clocks_seen(DesignTarget target, const Design& design, const S
     const double width = corner_of(stage, target.master_hz) / (2.0 * std::numbers::pi);
     if (width > kNarrow * clock) continue;
     for (int k = 1; k <= kMultiples; ++k) {
-      for (const double beside : kBeside) {
-        const Hertz f{k * clock + beside * width};
+      for (const double widths : kWidths) {
+        const Hertz f{k * clock + widths * width};
         if (f >= target.band.from && f <= target.band.to) add_point(target, sections, f, 1.0, soft);
       }
     }

@@ -10,7 +10,7 @@ namespace bodesmith::fpaa {
 /// run away either.
 DesignTarget design_target(const Sections& sections, Band band, double points, const Board& board);
 
-/// With points beside the multiples of the design's clocks that lie within the band: a sampled response repeats there, a pole
+/// With points near the multiples of the design's clocks that lie within the band: a sampled response repeats there, a pole
 /// of width p leaves a feature of that width.
 DesignTarget with_clocks_seen(DesignTarget target, const Design& design, const Sections& sections);
 

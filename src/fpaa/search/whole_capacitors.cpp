@@ -83,7 +83,7 @@ class InnerHeadroom {
 /// Whole capacitors of a second-order stage whose resonance is nearest to the exact one: the `count` best. Rounding
 /// each capacitor by itself leaves some 1/C of each; a sharp resonance needs more, and there are many sets:
 ///   low Q:   C4/CB and C2 C3/(CA CB);   high Q:   C4/C2 and C2 C3/(CA CB)
-/// The mismatch of the four that place it counts beside that (in part: the judge counts it whole): CA and CB as large as their banks.
+/// The mismatch of the four that place it counts in addition to that (in part: the judge counts it whole): CA and CB as large as their banks.
 /// Complex zeros likewise: C1 C3/(Cpp CA), at whatever gain these come out best (other stages take it back).
 std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_capacitor, std::size_t count,
                                                     const MismatchModel& mismatch) {
@@ -178,7 +178,7 @@ void keep_cheapest(std::vector<WholeStage>& list, const WholeStage& next, std::s
   if (list.size() > count) list.pop_back();
 }
 
-/// What 95 % of boards keep beside the error, by the mismatch of one stage's own capacitors.
+/// What 95 % of boards keep in addition to the error, by the mismatch of one stage's own capacitors.
 class StageSpread {
  public:
   StageSpread(const StagePlace& place, const Stage& exact, const std::vector<double>& weight,

@@ -16,7 +16,7 @@ std::vector<std::vector<std::size_t>> scale_groups(const DesignStage& stage);
 struct RoundingWidth {
   std::size_t designs = 1;      ///< partly whole designs kept after each stage
   std::size_t choices = 1;      ///< sets of whole capacitors tried for a stage of each
-  MismatchModel mismatch = {};  ///< its spread counts beside the error
+  MismatchModel mismatch = {};  ///< its spread counts in addition to the error
 };
 /// Whole capacitors: stage by stage the scales that cost least, the capacitors not yet whole fitted again after
 /// each; designs are compared with what is left fitted. False where some stage cannot be made (a capacitor
@@ -25,7 +25,7 @@ bool make_whole(Design& design, const StageFactorTable& table, RoundingWidth wid
 
 /// Pairs of capacitors of any stages, each up and down by a few units together, found with the first derivatives and
 /// judged by the exact response: what a single capacitor spoils another one may mend. The spread by mismatch counts
-/// beside the error.
+/// in addition to the error.
 void polish_pairs(Design& design, const StageFactorTable& table, const MismatchModel& mismatch, int rounds);
 
 }  // namespace bodesmith::fpaa

@@ -8,7 +8,7 @@
 
 namespace bodesmith::fpaa {
 
-/// What a switched-capacitor netlist needs beside the plan. None of it is publicly known for this chip.
+/// What a switched-capacitor netlist needs besides the plan. None of it is publicly known for this chip.
 struct NetlistParts {
   double unit_capacitance_f = 50e-15;
   double switch_on_ohm = 1e3;

@@ -15,7 +15,7 @@ std::string build_sheet_markdown(const Plan& plan);
 std::string build_sheet_html(const Plan& plan);
 
 /// A Python script for the open Zrna client that places one chip's CAMs, connects them between AudioIn and
-/// AudioOut, sets the divisors, and prints what the board realised beside what the plan realises. Nothing where the client cannot place
+/// AudioOut, sets the divisors, and prints what the board realised next to what the plan realises. Nothing where the client cannot place
 /// it: more than one chip (a Zrna board has one) or path, modules that it does not have.
 std::optional<std::string> zrna_script(const Plan& plan);
 

@@ -35,7 +35,7 @@ class AsymmetricHysteresis final : public Effect {
   }
 
  private:
-  /// Loops that are less wide than this part of the curve beside them are none.
+  /// Loops that are less wide than this part of the curve next to them are none.
   static constexpr double kMinLoop = 0.15;
 
   static bool is_curve_of_branches(const chain::Block& block, const Signal& signal) {

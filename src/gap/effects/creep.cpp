@@ -105,7 +105,7 @@ class Creep final : public Effect {
       out.push_back(insert_block(scene, *this, at, many, unknowns, {gains}));
     }
   }
-  /// A fastest relaxation as strong as it may be is a lag beside the others.
+  /// A fastest relaxation as strong as it may be is a lag alongside the others.
   bool is_no_name(const Model&, const Term& term, const Scene&) const override {
     const auto& unknowns = term.unknowns;
     return unknowns.size() > kMostOfOneOrLogarithmic && unknowns.front().value >= unknowns.front().high;

@@ -19,9 +19,9 @@ constexpr int kHarmonics = 7;
 constexpr double kMinCycles = 2.0;
 /// Frequencies that are looked at, in one of the record's resolution.
 constexpr std::size_t kFiner = 5;
-/// A line's power over the mean of those up to so many resolutions beside it: of noise, one frequency in e^10 reaches that.
+/// A line's power over the mean of those up to so many resolutions around it: of noise, one frequency in e^10 reaches that.
 constexpr double kStandsOut = 10.0;
-constexpr std::size_t kBeside = 10;
+constexpr std::size_t kAround = 10;
 /// Lines of a harmonic's neighbourhood that are proposed, and how far apart they are (resolutions).
 constexpr std::size_t kProposed = 2;
 constexpr double kApart = 1.5;
@@ -71,11 +71,11 @@ class FineSpectrum {
     const auto bin = whole_number<std::size_t>(alias_of(hz, rate_hz_) / bin_hz_ + 0.5);
     return std::min(bin, amplitude_.size() - 1);
   }
-  /// Mean power beside a line, from two resolutions below or above it on.
+  /// Mean power around a line, from two resolutions below or above it on.
   double level_over(std::size_t bin, int side) const {
     double sum = 0.0;
     int count = 0;
-    for (std::size_t d = 2 * kFiner; d < kBeside * kFiner; ++d) {
+    for (std::size_t d = 2 * kFiner; d < kAround * kFiner; ++d) {
       if (side < 0 ? d > bin : bin + d >= amplitude_.size()) break;
       const double amplitude = amplitude_[side < 0 ? bin - d : bin + d];
       sum += amplitude * amplitude;

@@ -31,13 +31,13 @@ struct ModePoints {
   std::vector<double> weight;
   std::vector<Complex> wanted;
   std::vector<Complex> present;
-  std::vector<Complex> beside;
+  std::vector<Complex> parallel;
 };
 
 ModePoints mode_points_of(const Scene& scene, const chain::Block& modes) {
   ModePoints p;
-  const double beside_hz = modes.get("beside_hz");
-  const double beside_damping = modes.get("beside_damping_ratio");
+  const double resonator_hz = modes.get("resonator_hz");
+  const double resonator_damping = modes.get("resonator_damping_ratio");
   for (std::size_t i = 0; i < scene.frequency.size(); ++i) {
     const auto here = modes.response(scene.frequency[i].rad_s());
     const Complex present = here ? *here : Complex(1.0);
@@ -47,8 +47,8 @@ ModePoints mode_points_of(const Scene& scene, const chain::Block& modes) {
     p.weight.push_back(weight / std::max(std::abs(wanted), 1e-300));
     p.wanted.push_back(wanted);
     p.present.push_back(present);
-    const double r = beside_hz > 0.0 ? scene.frequency[i].value / beside_hz : 0.0;
-    p.beside.emplace_back(1.0 - r * r, 2.0 * beside_damping * r);
+    const double r = resonator_hz > 0.0 ? scene.frequency[i].value / resonator_hz : 0.0;
+    p.parallel.emplace_back(1.0 - r * r, 2.0 * resonator_damping * r);
   }
   return p;
 }
@@ -68,7 +68,7 @@ TriedMode solve_mode(const ModePoints& p, double hz, double damping) {
   for (std::size_t i = 0; i < p.hz.size(); ++i) {
     const double r = p.hz[i] / hz;
     const Complex denominator(1.0 - r * r, 2.0 * damping * r);
-    const Complex mode = p.weight[i] / std::norm(denominator) * p.beside[i] * std::conj(denominator);
+    const Complex mode = p.weight[i] / std::norm(denominator) * p.parallel[i] * std::conj(denominator);
     const Complex direct = p.weight[i] * p.present[i];
     const Complex wanted = p.weight[i] * p.wanted[i];
     aa += std::norm(direct);

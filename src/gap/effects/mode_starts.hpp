@@ -6,7 +6,7 @@
 
 namespace bodesmith::gap {
 
-/// Natural frequency, damping and share of the modes that a response most lacks beside a `parallel_modes` block of the
+/// Natural frequency, damping and share of the modes that a response most lacks alongside a `parallel_modes` block of the
 /// scene's model. With frequency and damping given, the measured response over that of the rest of the model,
 ///     T = c (1 + S) + g R/(1 + 2 zeta s/w + s^2/w^2),   S: what the block has already, R: as in the block,
 /// is linear in c and g, so that each pair of them is tried, relative to |T|, and the best ones of either sign are

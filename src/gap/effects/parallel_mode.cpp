@@ -12,7 +12,7 @@
 namespace bodesmith::gap {
 namespace {
 
-/// More damping leaves neither a peak nor a zero beside it, and the curve is another effect's.
+/// More damping leaves neither a peak nor a zero next to it, and the curve is another effect's.
 constexpr double kMaxParallelDamping = 0.3;
 /// Shares beyond: the zero lies so far above the pole that the mode is one in series.
 constexpr double kMaxShare = 100.0;
@@ -31,18 +31,18 @@ const char* const kModeDampings = "damping_ratios";
 struct ModePlace {
   int block = 0;
   std::size_t mode = 0;
-  std::optional<int> resonator;  ///< that they stand beside
+  std::optional<int> resonator;  ///< that they stand in parallel with
 
   void write(Model& model, double hz, double damping, double gain) const {
     chain::Block& b = model.block(block);
-    if (resonator) stand_beside(b, model.block(*resonator));
+    if (resonator) set_resonator(b, model.block(*resonator));
     put(b, kModeFrequencies, hz);
     put(b, kModeDampings, damping);
     put(b, kShares, gain);
   }
-  static void stand_beside(chain::Block& b, const chain::Block& resonator) {
-    b.set("beside_hz", resonator.get("natural_frequency_hz"))
-        .set("beside_damping_ratio", resonator.get("damping_ratio"));
+  static void set_resonator(chain::Block& b, const chain::Block& resonator) {
+    b.set("resonator_hz", resonator.get("natural_frequency_hz"))
+        .set("resonator_damping_ratio", resonator.get("damping_ratio"));
   }
   /// Leaves the modes in front where they are: those behind keep their numbers.
   void clear(Model& model) const {
@@ -73,9 +73,9 @@ class ParallelMode final : public Effect {
   ParallelMode()
       : Effect(
             {.name = "parallel_mode",
-             .what = "a second-order mode beside the path, of either sign",
+             .what = "a second-order mode in parallel with the path, of either sign",
              .experiment =
-                 "a sweep through the suspected frequency and the zero beside it, and the same with the sensor elsewhere",
+                 "a sweep through the suspected frequency and the zero next to it, and the same with the sensor elsewhere",
              .linear = true,
              .repeatable = true,
              .places_a_round = 3}) {}
@@ -98,7 +98,7 @@ class ParallelMode final : public Effect {
     for (const Term& earlier : scene.model->terms()) {
       if (earlier.effect != this) continue;
       const int block = earlier.blocks.front();
-      add_proposal(scene, *scene.model, block, resonator_beside(*scene.model, block), earlier.placed, out);
+      add_proposal(scene, *scene.model, block, parallel_resonator(*scene.model, block), earlier.placed, out);
       return;
     }
     for (std::size_t at : scene.linear_places()) {
@@ -108,7 +108,7 @@ class ParallelMode final : public Effect {
     for (std::size_t at : scene.base_places()) {
       if (is_linear_mode(scene, at))
         add_block(scene, at + 1, scene.model->id_at(at),
-                  "beside block " + std::to_string(scene.model->base_number(at)), out);
+                  "in parallel with block " + std::to_string(scene.model->base_number(at)), out);
     }
   }
 
@@ -120,13 +120,13 @@ class ParallelMode final : public Effect {
     return p[2].value * q[2].value < 0.0 && std::abs(p[0].value - q[0].value) < kHalfWidthsApart * widths;
   }
 
-  /// A mode so strong beside what else there is at its frequency, that nothing of that is seen within the band: a mode in
+  /// A mode so strong compared with what else there is at its frequency, that nothing of that is seen within the band: a mode in
   /// series, with more freedom.
   static bool hides_the_path(const Model& model, const std::vector<const Term*>& modes, std::size_t at,
                              double top_hz) {
     const auto& own = modes[at]->unknowns;
     const auto& block = model.at(model.position_of(modes[at]->blocks.front()));
-    if (block.get("beside_hz") > 0.0) return false;
+    if (block.get("resonator_hz") > 0.0) return false;
     std::complex<double> path = 1.0;
     for (std::size_t k = 0; k < modes.size(); ++k) {
       if (k == at) continue;
@@ -154,10 +154,10 @@ class ParallelMode final : public Effect {
     const auto& block = scene.model->at(at);
     return block.has("natural_frequency_hz") && block.has("damping_ratio") && scene.linear(at);
   }
-  /// The base model's resonator that a block of this effect stands beside: other terms may have come between the two.
-  static std::optional<int> resonator_beside(const Model& model, int block) {
+  /// The base model's resonator that a block of this effect stands in parallel with: other terms may have come between the two.
+  static std::optional<int> parallel_resonator(const Model& model, int block) {
     std::size_t at = model.position_of(block);
-    if (!(model.at(at).get("beside_hz") > 0.0)) return std::nullopt;
+    if (!(model.at(at).get("resonator_hz") > 0.0)) return std::nullopt;
     while (!model.is_base(at)) --at;
     return model.id_at(at);
   }
@@ -166,7 +166,7 @@ class ParallelMode final : public Effect {
                  std::vector<Proposal>& out) const {
     Model model = *scene.model;
     const int block = model.insert(at, chain::make_block("parallel_modes"));
-    if (resonator) ModePlace::stand_beside(model.block(block), model.block(*resonator));
+    if (resonator) ModePlace::set_resonator(model.block(block), model.block(*resonator));
     add_proposal(scene, std::move(model), block, resonator, placed, out);
   }
 

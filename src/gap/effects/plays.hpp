@@ -7,7 +7,7 @@
 
 namespace bodesmith::gap {
 
-/// A bank of plays with fixed radii beside the straight line u, as a prandtl_ishlinskii block: linear in its
+/// A bank of plays with fixed radii in parallel with the straight line u, as a prandtl_ishlinskii block: linear in its
 /// weights, which are the unknowns w[1], w[2], … and start small.
 struct PlayBank {
   std::vector<double> radius;  ///< r of the block, the straight line's 0 in front

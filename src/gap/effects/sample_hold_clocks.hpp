@@ -18,7 +18,7 @@ double mean_lag_s(const Scene& scene);
 bool images_stand_out(const Scene& scene);
 
 /// Clocks of a hold at `at`, the residual likened to what it leaves. `guess_hz` above 0: to its stairs and lag, of clocks around that;
-/// otherwise to its stairs beside their mean lag, which free corners of the model may have taken over. Linear dynamics behind it
+/// otherwise to its stairs apart from their mean lag, which free corners of the model may have taken over. Linear dynamics behind it
 /// soften the stairs: the residual is run through them backwards. `half`: the hold acts half a cycle late.
 Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz = 0.0);
 

@@ -15,10 +15,10 @@ namespace {
 /// Probability that no set of the catalogue is the whole answer where no sign of it is left: of names told so one in seventeen is wrong. Twice
 /// as much: no name above .88.
 constexpr double kOutsideWithoutSign = 0.1;
-/// Of the contrary where a sign is just as plain as chance would make it; a sign twice as plain halves it. Twice as much: of names beside a
+/// Of the contrary where a sign is just as plain as chance would make it; a sign twice as plain halves it. Twice as much: of names alongside a
 /// sign, told at .64 in the mean, .35 were right.
 constexpr double kNotOutsideAtChance = 0.3;
-/// Of names told beside something outside: the share that it feigns.
+/// Of names told alongside something outside: the share that it feigns.
 constexpr double kFeigned = 0.6;
 double outside_by(const std::vector<Sign>& signs) {
   double plainest = 1.0;

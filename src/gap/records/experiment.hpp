@@ -16,7 +16,7 @@ namespace bodesmith::gap {
 /// Langou, Rozloznik, Computers & Mathematics with Applications 50 (2005) 1069).
 class Directions {
  public:
-  /// Adds what is v's own beside those before; nothing where they explain it but for this part.
+  /// Adds what is v's own in addition to those before; nothing where they explain it but for this part.
   void add(std::vector<double> v, double least_own = 1e-5);
   /// Takes out of a signal over the same samples what they explain.
   void take_out(std::span<double> v) const;

@@ -9,7 +9,7 @@ namespace bodesmith::gap {
 /// All there is to fit is one record, in which this boundary runs along one loop again and again: what smaller
 /// loops look like it cannot tell.
 bool is_one_loop(const Scene& scene, std::size_t at);
-/// What bends one loop alone, beside memory (or a lag that looks like it where all loops take as long), may be memory's own
+/// What bends one loop alone, alongside memory (or a lag that looks like it where all loops take as long), may be memory's own
 /// form as well.
 bool memory_may_bend(const Scene& scene, std::size_t at);
 

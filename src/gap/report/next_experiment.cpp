@@ -260,7 +260,7 @@ std::optional<NextExperiment> next_experiment(const SearchResult& result,
     const std::size_t samples = u.size();
     if (std::any_of(predicted.begin(), predicted.end(), [&](const auto& y) { return y.size() != samples; }))
       continue;
-    // An output as large as what comes: beside one of no size every model seems to run away.
+    // An output as large as what comes: next to one of no size every model seems to run away.
     const Apart apart =
         apart_under(*rivals, held, experiment.with_output(predicted.front()), predicted, noise);
     if (!(apart.told > widest.told || (apart.told == widest.told && apart.least > widest.least))) continue;

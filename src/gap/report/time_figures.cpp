@@ -41,7 +41,7 @@ Series series_of(std::string name, int color) {
   return s;
 }
 
-/// A held-out record beside what the models make of it.
+/// A held-out record next to what the models make of it.
 struct BeforeAndAfter {
   const TimeRecord& record;
   std::size_t first;  ///< scored sample; a start transient would dwarf the rest

@@ -24,7 +24,7 @@ Model with_values(Model model, const std::vector<double>& values) {
 }
 
 /// Where the base model's fits begin: at the given values, and where a comb over its frequencies, all together and each alone, leaves least
-/// (beside its peak a resonance's sum of squares is hilly).
+/// (near its peak a resonance's sum of squares is hilly).
 std::vector<Model> base_starts(const SearchSetting& setting, const Experiments& look) {
   const auto& options = setting.options.base;
   const auto unknowns = setting.initial.unknowns();

@@ -83,7 +83,7 @@ PlacedSet with_candidate(const PlacedSet& set, const Ranked& candidate, std::vec
   return more;
 }
 
-/// One of a set's names as a candidate beside the others.
+/// One of a set's names as a candidate alongside the others.
 Ranked as_it_stands(const PlacedSet& set, std::size_t term, double score) {
   Ranked r;
   r.effect = set.model.terms()[term].effect;
@@ -114,7 +114,7 @@ PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, Pl
           set.log_evidence > less.log_evidence)
         continue;
       less.notes.push_back(fmt::format("{} was taken out again: {}", set.model.terms()[k].effect->name(),
-                                       is_no_name ? "beside the others its values are another effect's form"
+                                       is_no_name ? "with the others its values are another effect's form"
                                                   : "the others explain what it did"));
       set = std::move(less);
       again = true;
@@ -125,7 +125,7 @@ PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, Pl
 }
 
 /// The set with another effect in the place of one, where that is of greater evidence; each place is tried against all effects,
-/// beside the others as they stand.
+/// alongside the others as they stand.
 std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRecords& records, PlacedSet& set,
                                    bool last_is_fresh, std::set<std::multiset<std::string>>& tried) {
   for (std::size_t k = 0; k < count_of(set); ++k) {
@@ -138,7 +138,7 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     if (!tried.insert(names).second) continue;
     weigh(records, others);
     auto ranking = successors_of(setting, records, others.model);
-    // Of its own name what stands is known, too: the new fit beside the others may have stopped short of it, or could not begin.
+    // Of its own name what stands is known, too: the new fit alongside the others may have stopped short of it, or could not begin.
     auto own = std::find_if(ranking.begin(), ranking.end(),
                             [&](const Ranked& r) { return r.effect == set.model.terms()[k].effect; });
     if (own == ranking.end() || own->log_evidence < set.log_evidence) {
@@ -238,7 +238,7 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
 void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
   const auto& options = setting.options;
   std::set<std::multiset<std::string>> came_to = {names_of(beam.best.model)};
-  for (auto& pair : pairs_beside(setting, base.records, base.first)) {
+  for (auto& pair : best_pairs(setting, base.records, base.first)) {
     if (options.is_late()) return;
     // With one more name than the best set has it was looked at.
     const auto names = names_of(pair.second.model);

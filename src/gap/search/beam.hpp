@@ -37,7 +37,7 @@ struct Beam {
 };
 
 /// From the base model to the set of the greatest evidence that these moves lead to: one effect more; one less; another in the place
-/// of one, beside the others; and, where something is left or many unknowns stand, two at once.
+/// of one, alongside the others; and, where something is left or many unknowns stand, two at once.
 void search_sets(const SearchSetting& setting, Beam& beam);
 
 }  // namespace bodesmith::gap

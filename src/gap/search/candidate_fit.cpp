@@ -16,7 +16,7 @@ namespace bodesmith::gap {
 namespace {
 
 /// Hops to both sides of where a fit ended, as long as the unknown's own and then shorter by these. An edge that crosses a sample
-/// changes it whole: the sum of squares comes to its least in a cusp, where a fit stops beside it.
+/// changes it whole: the sum of squares comes to its least in a cusp, where a fit stops next to it.
 struct Hops {
   double length;
   int count;

@@ -63,9 +63,9 @@ std::vector<Ranked> firsts_among(const SearchSetting& setting, const SearchRecor
   return firsts;
 }
 
-/// What the looks beside all first names promise, best first: of each some effects at their best places.
-std::vector<Promising> seconds_beside(const SearchSetting& setting, const SearchRecords& records,
-                                      const std::vector<Ranked>& firsts) {
+/// What the looks alongside all first names promise, best first: of each some effects at their best places.
+std::vector<Promising> second_names(const SearchSetting& setting, const SearchRecords& records,
+                                    const std::vector<Ranked>& firsts) {
   const auto& options = setting.options;
   std::vector<std::pair<double, Promising>> all;
   for (const auto& first : firsts) {
@@ -157,11 +157,10 @@ bool could_be_fewer(const Model& model) {
          });
 }
 
-std::vector<std::pair<Ranked, Ranked>> pairs_beside(const SearchSetting& setting,
-                                                    const SearchRecords& records,
-                                                    const std::vector<Ranked>& first) {
+std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
+                                                  const std::vector<Ranked>& first) {
   const auto firsts = firsts_among(setting, records, first);
-  const auto seconds = seconds_beside(setting, records, firsts);
+  const auto seconds = second_names(setting, records, firsts);
   if (seconds.empty() || setting.options.is_late()) return {};
   std::vector<std::pair<Ranked, Ranked>> pairs;
   std::set<std::set<const Effect*>> names;

@@ -15,27 +15,26 @@ bool matters(const SearchSetting& setting, const SearchRecords& records, const M
              double rms_with);
 bool all_matter(const SearchSetting& setting, const SearchRecords& records, const Model& model);
 
-/// The values of a term beside the others make it no name (Effect::is_no_name).
+/// The values of a term alongside the others make it no name (Effect::is_no_name).
 bool term_is_no_name(const Model& model, std::size_t term, const Experiments& train);
 
 /// The candidate of the name that holds most: its places and forms share what it holds. Null: none matters. Outcomes are set.
 const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records, const Model& without,
                       std::vector<Ranked>& ranking);
 
-/// A round beside the other terms.
+/// A round alongside the other terms.
 std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
                                   const Model& without);
 
 /// More than two names, or one of many unknowns: two may do as well.
 bool could_be_fewer(const Model& model);
 
-/// Two effects that hide each other: of what each effect promises beside each of the first names, the best fitted. Greatest
+/// Two effects that hide each other: of what each effect promises alongside each of the first names, the best fitted. Greatest
 /// evidence first, each two names once.
-std::vector<std::pair<Ranked, Ranked>> pairs_beside(const SearchSetting& setting,
-                                                    const SearchRecords& records,
-                                                    const std::vector<Ranked>& first);
+std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
+                                                  const std::vector<Ranked>& first);
 
-/// Of responses, whose fits are quick: every effect beside each of the first names, and chains of modes. The last member's model holds
+/// Of responses, whose fits are quick: every effect alongside each of the first names, and chains of modes. The last member's model holds
 /// all; greatest evidence first.
 std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, const SearchRecords& records,
                                                  const Model& before, const std::vector<Ranked>& first);

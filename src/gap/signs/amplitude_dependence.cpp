@@ -24,7 +24,7 @@ constexpr double kLeastChange = 0.005;
 constexpr double kProminent = 0.3;
 constexpr double kMovedSteps = 0.3;
 constexpr double kMovedPart = 0.002;
-/// The change at the peak over that beside it, when it is the damping that changes.
+/// The change at the peak over that next to it, when it is the damping that changes.
 constexpr double kAtPeakAlone = 3.0;
 /// The change at the bottom of the band over that at its top, when it is there that the gain falls.
 constexpr double kAtTopAlone = 0.25;

@@ -12,7 +12,7 @@ namespace bodesmith::gap {
 enum class AmplitudeClass {
   softening_stiffness,  ///< the peak moves down
   hardening_stiffness,  ///< the peak moves up
-  rising_damping,       ///< the peak falls and what is beside it does not
+  rising_damping,       ///< the peak falls and what is next to it does not
   falling_damping,
   rising_gain,
   falling_gain,

@@ -28,9 +28,9 @@ constexpr double kSmooth = 4.5;
 constexpr std::size_t kApartFrom = 3;
 constexpr double kStandsApart = 60.0;
 
-/// Level beside bin k, from `distance` bins on: the larger of the means to both sides, so that a slope does not count.
+/// Level around bin k, from `distance` bins on: the larger of the means to both sides, so that a slope does not count.
 /// Nothing near the ends.
-std::optional<double> level_beside(const std::vector<double>& power, std::size_t k, std::size_t distance) {
+std::optional<double> level_around(const std::vector<double>& power, std::size_t k, std::size_t distance) {
   const std::size_t reach = std::clamp<std::size_t>(k / 4, kMinReach, kMaxReach);
   double below = 0.0;
   double above = 0.0;
@@ -63,7 +63,7 @@ Sign spectral_line(const Leftover& record) {
   const double limit = 4.0 * (std::log(static_cast<double>(power.size())) + 3.0);
   for (std::size_t k = kWindowBins; k + kWindowBins < power.size(); ++k) {
     if (power[k] < power[k - 1] || power[k] < power[k + 1]) continue;
-    const auto level = level_beside(power, k, kWindowBins);
+    const auto level = level_around(power, k, kWindowBins);
     if (!level || power[k - 1] + power[k] + power[k + 1] < kMinLineShare * total) continue;
     sign.strength = std::max(sign.strength, power[k] / std::max(*level, 1e-300) / limit);
   }
@@ -77,7 +77,7 @@ Sign stands_apart(const Leftover& record) {
   for (std::size_t i = 0; i < n; ++i)
     energy[i] = std::pow(record.response[2 * i], 2) + std::pow(record.response[2 * i + 1], 2);
   for (std::size_t i = 0; i < n; ++i) {
-    if (const auto level = level_beside(energy, i, kApartFrom))
+    if (const auto level = level_around(energy, i, kApartFrom))
       sign.strength = std::max(sign.strength, energy[i] / std::max(*level, 1e-300) / kStandsApart);
   }
   return sign;

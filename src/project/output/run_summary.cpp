@@ -70,7 +70,7 @@ std::string hardware_text(const Run& run) {
   return out;
 }
 
-/// The first lines: what was tracked as built and what stands beside it, and what is built by every engine that there is.
+/// The first lines: what was tracked as built and what stands alongside it, and what is built by every engine that there is.
 std::string headline_text(const Run& run) {
   const TrackingStudy& study = run.tracking;
   return text_of(fmt::format("tracked    worst rms error, % of range, {} {}", to_string(study.waveform),

@@ -56,7 +56,7 @@ std::vector<report::Plot> response_plots(const Run& run, const AlternativeStudy&
   return out;
 }
 
-/// The alternative beside the one that is built.
+/// The alternative next to the one that is built.
 report::Plot tracked_plot(const Run& run, std::size_t index) {
   report::Plot out;
   out.title = "Tracking error, fed by its own drive, pure delay removed";

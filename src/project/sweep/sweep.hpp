@@ -38,7 +38,7 @@ struct SweepOptions {
   bool resume = false;
 };
 
-/// Runs a project once for each variant (variants.hpp), into FOLDER/NAME, with NAME/variant.json beside its files, then
+/// Runs a project once for each variant (variants.hpp), into FOLDER/NAME, with NAME/variant.json next to its files, then
 /// writes sweep.json and sweep.csv. The processes of `team` share the variants (one in turn each) over a common file
 /// system; the leader's answer is complete, those of the others are empty. A design that cannot be made is a row of the
 /// table. All variants are read before the first is run: a slip in one is an InputError before anything is written.

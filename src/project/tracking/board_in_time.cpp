@@ -164,7 +164,7 @@ BoardInTime BoardTracker::track(const Window& window) const {
   std::vector<double> by_charges(window.count);
   std::size_t i = 1;
   for (std::size_t k = window.skipped; k < window.skipped + window.count; ++k) {
-    const double t = (static_cast<double>(k) + 0.5) * window.step_s;  // beside turns, where the drive jumps
+    const double t = (static_cast<double>(k) + 0.5) * window.step_s;  // off turns, where the drive jumps
     board.advance_to(t);
     const double theta = t / window.repeat_s;
     const bool rises = tracking::Reference::rises(window.reference.piece(theta - std::floor(theta)));

@@ -133,6 +133,27 @@ Findings worse_than_constant(const TrackingStudy& study) {
                       built->name, frequency_list(worse))};
 }
 
+/// Along the project's other references on its own stage: where what is built is worse than nothing.
+Findings worse_than_nothing(const TrackingStudy& study) {
+  std::vector<std::string> where;
+  for (const TrackedElsewhere& one : study.elsewhere) {
+    if (one.stage != "polynomial") continue;
+    const auto of = [&](std::string_view key) {
+      const auto found = std::ranges::find(one.designs, key, &TrackedDesign::key);
+      return found == one.designs.end() ? NAN : found->worst_without_lag_percent();
+    };
+    if (const double built = of(study.as_built), none = of(tracked::none); built > none)
+      where.push_back(fmt::format("{} at {} of the stroke ({} % of range for {})", to_string(one.waveform),
+                                  rounded_text(one.amplitude), rounded_text(built, 2),
+                                  rounded_text(none, 2)));
+  }
+  if (where.empty()) return {};
+  return {fmt::format(
+      "As built the stage tracks worse than without compensation: {}; a full stroke's gains are another stroke's only "
+      "by an `amplitude` table in the disturbance.",
+      join(where, ", "))};
+}
+
 /// At which step most accuracy is lost: rms change of the compensating waveform from one design to the next.
 Findings largest_loss(const std::vector<TrackedCandidate>& candidates, const tracking::Report& report,
                       const TrackingStudy& study) {
@@ -192,9 +213,9 @@ std::vector<std::string> tracking_findings(const Project& project, const Design&
   Findings out;
   for (const Findings& some :
        {what_the_drive_changes(study), cascade_worse_than_constant(budget, study),
-        what_a_schedule_would_do(study), worse_than_constant(study), largest_loss(candidates, report, study),
-        beyond_the_known_gains(project, study), few_samples_a_period(design, study),
-        what_is_assumed(project)}) {
+        what_a_schedule_would_do(study), worse_than_constant(study), worse_than_nothing(study),
+        largest_loss(candidates, report, study), beyond_the_known_gains(project, study),
+        few_samples_a_period(design, study), what_is_assumed(project)}) {
     out.insert(out.end(), some.begin(), some.end());
   }
   return out;

@@ -22,7 +22,7 @@ struct TrackedCandidate {
 /// Without compensation and the disturbance paper's one pass: constant polynomial, then every stage from the ideal
 /// cascade to the hardware, the best waveform fit and a gain scheduled by the measured frequency. Then what more than
 /// one pass does: two passes, and the generator fed by its own drive with no rate compensation, with the sections as
-/// designed and as built, and with gains by the known frequency, by the measured slope, and beside the filter.
+/// designed and as built, and with gains by the known frequency, by the measured slope, and alongside the filter.
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design);
 
 /// What became of it.

@@ -126,7 +126,7 @@ std::string tracking_stages_csv(const TrackingStudy& study);
 /// "1 to 100 Hz".
 std::string frequency_span(const TrackingStudy& study);
 
-/// What was tracked as built, and beside it nothing, the disturbance paper's design and what was measured: worst rms
+/// What was tracked as built, and next to it nothing, the disturbance paper's design and what was measured: worst rms
 /// errors over the frequencies, for the first lines of summary and report.
 report::Table headline_table(const Project& project, const TrackingStudy& study);
 

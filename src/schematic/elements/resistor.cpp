@@ -3,7 +3,7 @@
 namespace bodesmith::schematic {
 namespace {
 
-/// i = v/R; thermal noise 4 k T/R beside it.
+/// i = v/R; thermal noise 4 k T/R in parallel with it.
 class Resistor final : public Element {
  public:
   Resistor(int from, int to, double ohm) : from_(from), to_(to), siemens_(1.0 / ohm) {}

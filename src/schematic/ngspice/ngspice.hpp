@@ -22,7 +22,7 @@ std::vector<Complex> run_ac_of_text(const std::string& library, const std::strin
 
 /// The response of a user's own deck (first line a title, one source with an AC value) at `node`, relative to
 /// that source: its analyses, outputs and .control section are left out, its .include and .lib files are
-/// found beside it. `node` empty: "out" when there is one, otherwise the first v(…) of its .print, .plot,
+/// found next to it. `node` empty: "out" when there is one, otherwise the first v(…) of its .print, .plot,
 /// .save or .probe lines. Throws InputError with file and line.
 std::vector<Complex> run_ac_of_deck(const std::filesystem::path& deck, const std::vector<Hertz>& grid,
                                     const std::string& node = {});

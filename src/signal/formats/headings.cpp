@@ -157,7 +157,7 @@ constexpr std::string_view kLossWords[] = {"attenuation", "loss", "d\xC3\xA4mpfu
 /// Of a linear magnitude: what is no gain but its square or a logarithm.
 constexpr std::string_view kNoGainWords[] = {"power gain", "power ratio", "squared", "^2",
                                              "\xC2\xB2",   "log10",       "ln(",     "ln|"};
-/// Beside magnitudes and phases: what is said of them, not they themselves.
+/// Next to magnitudes and phases: what is said of them, not they themselves.
 constexpr std::string_view kAsideWords[] = {"std", "deviation", "uncertainty", "error", "margin", "delay"};
 /// Levels of one signal.
 constexpr std::string_view kDensityWords[] = {"psd", "density", "noise"};

@@ -1,5 +1,5 @@
 // Instruments whose numbers do not stand below headings, one line of the table below each:
-// - Tektronix TDS ("Record Length,2500,,-0.0005,0.02,"): keys and values in the first columns, time and value beside them.
+// - Tektronix TDS ("Record Length,2500,,-0.0005,0.02,"): keys and values in the first columns, time and value next to them.
 // - Rigol ("X,CH1,CH2,Start,Increment," and "Sequence,Volt,Volt,-6e-03,1e-05"): counts of samples, start and step above.
 // - GW Instek ("Memory Length,4000" … "Waveform Data,"): values or times and values below; whole numbers are codes of the
 //   converter, 25 a division ("Vertical Scale"), the step is the "Sampling Period".
@@ -27,7 +27,7 @@ struct Layout {
   std::string_view name;
   std::string_view first_mark;   ///< begins the text
   std::string_view second_mark;  ///< stands near its beginning
-  std::string_view data_below;   ///< begins the line above the numbers; empty: they stand beside the keys
+  std::string_view data_below;   ///< begins the line above the numbers; empty: they stand next to the keys
   std::size_t first_column;      ///< of the numbers
   Axis axis;
   std::string_view start_key;

@@ -272,8 +272,8 @@ std::vector<std::string> heading_cells(std::string_view line, char separator) {
   return out;
 }
 
-/// Beside the names of columns: "t0 = -0.005" (Rigol), "Comment" (LabVIEW).
-bool is_beside_headings(const std::string& cell) {
+/// Next to the names of columns: "t0 = -0.005" (Rigol), "Comment" (LabVIEW).
+bool is_note_among_headings(const std::string& cell) {
   return cell.find('=') != std::string::npos || cell == "Comment";
 }
 
@@ -298,7 +298,7 @@ std::vector<std::string> headings_in(std::string_view line, char separator, std:
     // Gamry's units: "#<tab>s<tab>Hz"; the mark is a cell like the others.
     if (cells.size() + 1 == columns && by != ' ' && line.size() > 1 && line[0] == '#' && line[1] == by)
       cells.insert(cells.begin(), "#");
-    while (cells.size() > columns && is_beside_headings(cells.back())) cells.pop_back();
+    while (cells.size() > columns && is_note_among_headings(cells.back())) cells.pop_back();
     if (cells.size() != columns) continue;
     const auto end = above_units ? cells.begin() + 1 : cells.end();
     if (std::none_of(cells.begin(), end, [](const std::string& c) { return begins_like_number(c); }))

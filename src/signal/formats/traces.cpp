@@ -75,7 +75,7 @@ class EvenSignal {
   }
 
   /// Largest distance of the file's own points from the straight lines between even samples, in parts of the range. Looks
-  /// at the samples beside these points alone: however many there are, it takes no longer.
+  /// at the samples near these points alone: however many there are, it takes no longer.
   double departure() const {
     const auto [low, high] = std::minmax_element(value_.begin(), value_.end());
     const double range = *high - *low;

@@ -26,7 +26,7 @@ struct SignalTrace {
   std::vector<double> values;
 };
 
-/// What is said of a file beside its columns.
+/// What is said of a file besides its columns.
 struct Words {
   std::string format;
   std::vector<std::string> notes;

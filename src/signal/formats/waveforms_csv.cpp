@@ -55,7 +55,7 @@ class WaveformsCsv : public Format {
     const auto second = channel_magnitude(headings, "Channel 2");
     Source chosen = source;
     if (!has_response_headings(headings) || !second || !source.choice.empty()) {
-      // Beside the channels there may be mathematical ones.
+      // Besides the channels there may be mathematical ones.
       if (source.choice.empty() && find_name(table.headings, "Channel 1") &&
           find_name(table.headings, "Channel 2"))
         chosen.choice = "Channel 1,Channel 2";

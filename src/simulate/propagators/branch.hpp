@@ -19,7 +19,7 @@ class BranchPropagator {
  public:
   /// What stands in front and behind.
   struct Place {
-    /// Between the nodes the input may have corners beside which the polynomial overshoots: a turn that nodes do not show counts
+    /// Between the nodes the input may have corners near which the polynomial overshoots: a turn that nodes do not show counts
     /// where the next hold goes on from it.
     bool kinked = false;
     /// Of the output the values at the nodes count.

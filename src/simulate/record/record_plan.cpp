@@ -23,16 +23,16 @@ constexpr std::size_t kParts = 32;
 /// A switch that acts nearer to a sample than this part of the interval acts there.
 constexpr double kLeastPart = 1e-6;
 
-/// Whether `next` may join: a second delay would hold back what runs beside, and the order stays small.
+/// Whether `next` may join: a second delay would hold back what runs alongside, and the order stays small.
 bool may_join(const RecordStage& stage, const LinearKernel& next) {
-  if (next.delay_s > 0.0 && (stage.beside.order() > 0 || stage.beside.offset != 0.0)) return false;
+  if (next.delay_s > 0.0 && (stage.undelayed.order() > 0 || stage.undelayed.offset != 0.0)) return false;
   return stage.merged.order() + next.order() <= kMaxMerged || next.order() == 0;
 }
 
 void join_stage(RecordStage& stage, LinearKernel next) {
   if (stage.merged.delay_s > 0.0) {
-    stage.beside = chain::in_series(stage.beside, next);
-    stage.beside.delay_s = 0.0;
+    stage.undelayed = chain::in_series(stage.undelayed, next);
+    stage.undelayed.delay_s = 0.0;
     next.offset = 0.0;
     next.constant.clear();
   }

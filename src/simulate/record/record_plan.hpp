@@ -36,15 +36,15 @@ std::size_t state_count(const chain::Kernel& kernel);
 /// Neighbouring linear blocks, or one block of another kind.
 ///
 /// The delays of a linear run are moved to its end, where they are exact. What does not come from the input
-/// must not be delayed with it: constants and initial states of blocks behind a delay run beside, in a system
+/// must not be delayed with it: constants and initial states of blocks behind a delay run alongside, in a system
 /// of their own.
 struct RecordStage {
   std::size_t first = 0;  ///< block
   bool linear = false;
   chain::LinearKernel merged;
-  std::size_t front = 0;       ///< states of `merged` in front of its delay
-  chain::LinearKernel beside;  ///< driven by constants only; its states are those behind the delay
-  std::size_t state = 0;       ///< place of its states among all states
+  std::size_t front = 0;          ///< states of `merged` in front of its delay
+  chain::LinearKernel undelayed;  ///< driven by constants only; its states are those behind the delay
+  std::size_t state = 0;          ///< place of its states among all states
 };
 
 /// The first `blocks` blocks as stages.
@@ -57,7 +57,7 @@ struct HoldPlan {
 };
 
 /// `oversample` holds to a sample interval. Where a switch acts late one ends there, and that interval, the next and that of the turn
-/// are of shorter ones: a jump inside a hold is right for dynamics slow beside the hold (BranchPropagator); quick ones, and the turns that they make
+/// are of shorter ones: a jump inside a hold is right for dynamics slow compared with the hold (BranchPropagator); quick ones, and the turns that they make
 /// for a memory behind them, need a hold that ends with the jump, and holds as short as they are. Turns of the input itself count.
 HoldPlan plan_holds(const std::vector<RecordStage>& stages, const std::vector<KernelSlot>& slots,
                     std::span<const double> u, double step_s, std::size_t oversample);

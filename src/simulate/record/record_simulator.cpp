@@ -81,13 +81,14 @@ struct RecordSimulator::Implementation {
   std::vector<double> other;
   std::vector<double> third;
   std::vector<double>
-      jumps;        ///< of a clock, beside the polynomials that stand for them (spread_steps); else empty
-  StepSignal held;  ///< the signal behind a clock, as long as only values change on its way
+      jumps;  ///< of a clock, in addition to the polynomials that stand for them (spread_steps); else empty
+  StepSignal held;       ///< the signal behind a clock, as long as only values change on its way
   bool is_held = false;  ///< whether it is that
   std::vector<double> main_state;
-  std::vector<double> beside_state;
+  std::vector<double> undelayed_state;
   std::vector<double> result;
-  std::vector<PreparedPropagators> linear;  ///< by a stage's first block; a second one for what runs beside
+  std::vector<PreparedPropagators>
+      linear;  ///< by a stage's first block; a second one for what runs alongside
   CollocationPropagator collocation;
   BranchPropagator branch;
   std::size_t degree = 1;
@@ -158,9 +159,9 @@ struct RecordSimulator::Implementation {
       }
       const double delay = stage.merged.delay_s / step_s;
       const auto behind = initial.begin() + static_cast<std::ptrdiff_t>(stage.state + stage.front);
-      return std::abs(delay - std::round(delay)) < 1e-12 && stage.beside.offset == 0.0 &&
-             stage.beside.constant.empty() &&
-             std::all_of(behind, behind + static_cast<std::ptrdiff_t>(stage.beside.order()),
+      return std::abs(delay - std::round(delay)) < 1e-12 && stage.undelayed.offset == 0.0 &&
+             stage.undelayed.constant.empty() &&
+             std::all_of(behind, behind + static_cast<std::ptrdiff_t>(stage.undelayed.order()),
                          [](double x) { return x == 0.0; });
     });
   }
@@ -367,7 +368,7 @@ struct RecordSimulator::Implementation {
            std::holds_alternative<std::unique_ptr<SourceKernel>>(kernel);
   }
   /// Of a stage's output the values at the nodes count, not what it is in between: no dynamics follow; or memory does, which
-  /// would take the overshoot of a polynomial beside a step for a turn.
+  /// would take the overshoot of a polynomial near a step for a turn.
   bool shows_at_nodes_only(const RecordStage& stage) const {
     const auto behind = stages.begin() + (&stage - stages.data()) + 1;
     if (behind != stages.end() && has_memory(*behind)) return true;
@@ -378,23 +379,23 @@ struct RecordSimulator::Implementation {
     const LinearKernel& k = stage.merged;
     const bool delayed = k.delay_s > 0.0;
     const double* x = state.data() + stage.state;
-    // States behind the delay belong to what runs beside.
+    // States behind the delay belong to what runs alongside.
     main_state.assign(k.order(), 0.0);
     std::copy_n(x, delayed ? stage.front : k.order(), main_state.begin());
-    beside_state.assign(stage.beside.order(), 0.0);
-    std::copy_n(x + stage.front, stage.beside.order(), beside_state.begin());
+    undelayed_state.assign(stage.undelayed.order(), 0.0);
+    std::copy_n(x + stage.front, stage.undelayed.order(), undelayed_state.begin());
     double before = 0.0;
     if (run.equilibrium) {
       before = add_rest(k, run.rest, main_state.data());
-      run.rest = before + add_rest(stage.beside, 0.0, beside_state.data());
+      run.rest = before + add_rest(stage.undelayed, 0.0, undelayed_state.data());
     }
     run_linear(linear_of(stage), k, run, signal.data(), other.data(), main_state.data(), before);
-    if (delayed && !is_silent(stage.beside, beside_state)) {
+    if (delayed && !is_silent(stage.undelayed, undelayed_state)) {
       // `signal` is free now.
       std::ranges::fill(signal, 0.0);
       third.resize(signal.size());
-      run_linear(linear_of(stage, 1), stage.beside, run, signal.data(), third.data(), beside_state.data(),
-                 0.0);
+      run_linear(linear_of(stage, 1), stage.undelayed, run, signal.data(), third.data(),
+                 undelayed_state.data(), 0.0);
       for (std::size_t i = 0; i < other.size(); ++i) other[i] += third[i];
     }
     // Its states have seen the steps of a clock right; what goes straight through shows them where they are.
@@ -405,9 +406,9 @@ struct RecordSimulator::Implementation {
     std::swap(signal, other);
   }
 
-  PreparedPropagators& linear_of(const RecordStage& stage, std::size_t beside = 0) {
+  PreparedPropagators& linear_of(const RecordStage& stage, std::size_t second = 0) {
     linear.resize(2 * chain.blocks.size());
-    return linear[2 * stage.first + beside];
+    return linear[2 * stage.first + second];
   }
 
   static void run_linear(PreparedPropagators& by, const LinearKernel& k, const Run& run, const double* u,

@@ -63,7 +63,7 @@ std::string rising_source(const tracking::Reference& reference, Hertz operating,
 /// y = v + K_b(f) g_b(alpha) d_b(v/alpha), alpha the reference's stroke.
 tracking::TrackingError stage_error(const DisturbanceCircuit& controller, const SteadyState& run);
 
-/// The whole netlist in time by CVODE (schematic/analysis/in_time.hpp), beside what ngspice makes of it: from rest, as many
+/// The whole netlist in time by CVODE (schematic/analysis/in_time.hpp), alongside what ngspice makes of it: from rest, as many
 /// repeats of the reference as the smoothing behind the slope meter needs; the last one is kept. `at_s`: instants of it, from
 /// its begin, at which v is told too (SteadyState::own_v). `samples`: of the repeat.
 SteadyState run_in_cvode(const DisturbanceCircuit& controller, const tracking::Reference& reference,

@@ -70,7 +70,7 @@ constexpr double kGoodMarginDeg = 45.0, kLeastMarginDeg = 30.0;
 /// By the program's own network of the emitted parts: op-amps with their gain-bandwidth and output resistance,
 /// multipliers with one pole, the switch's resistances and capacitances. Nothing for ideal op-amps.
 LoopStability loop_stability(const DisturbanceCircuit& controller);
-/// The same with ngspice beside it. Needs ngspice.
+/// The same with ngspice alongside it. Needs ngspice.
 LoopStability checked_loop_stability(const DisturbanceCircuit& controller);
 
 /// Where a loop rests at a point.

@@ -37,7 +37,7 @@ class Dialect {
  public:
   virtual ~Dialect() = default;
   virtual std::string_view name() const = 0;
-  /// Every file it needs beside compensator.sub, which the decks include.
+  /// Every file it needs besides compensator.sub, which the decks include.
   virtual std::vector<Deck> decks(const DeckRequest& request) const = 0;
   /// A part's value with its tolerance, where the simulator draws values by itself.
   virtual std::optional<std::string> value_with_tolerance(const schematic::Part&) const {

@@ -166,7 +166,7 @@ struct DisturbanceCircuit : schematic::Netlist {
   int group = Scheme::kShared;
   double noise_gain = 1.0;  ///< greatest of the branches' sums
   std::optional<AmplitudeControl> amplitude;
-  /// Beside amplitude gains: the circuit without them, made by itself.
+  /// Alongside amplitude gains: the circuit without them, made by itself.
   std::shared_ptr<const DisturbanceCircuit> of_full_strokes;
   std::vector<NodeRange> nodes;
   std::vector<Candidate> candidates;
@@ -228,7 +228,7 @@ struct DisturbanceCircuit : schematic::Netlist {
   /// Open: strokes that are looked at, the table's or the full one.
   std::vector<double> strokes() const { return amplitude ? amplitude->alpha : std::vector<double>{1.0}; }
   bool switched() const { return branches.size() > 1; }
-  /// Lines select1, select2, … beside `branch`.
+  /// Lines select1, select2, … besides `branch`.
   int select_lines() const;
   /// The branch behind select code `select` for rising or falling x; -1: none, the output rests at 0.
   int branch_at(int select, bool rising) const;
@@ -251,7 +251,7 @@ struct Input {
 
   /// ascending, descending and their amplitude table.
   static Input of(const Disturbance& disturbance);
-  /// A disturbance file. Beside the contract's keys it may list
+  /// A disturbance file. Besides the contract's keys it may list
   ///   "branches": [{"name": …, "coefficients": [a1, …, a7], "amplitude": [gain at each amplitude.alpha]}, …]
   /// (`amplitude` optional, `name` too); these then take the place of ascending and descending.
   static Input read(const std::filesystem::path& path, Provenance& from);

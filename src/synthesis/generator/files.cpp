@@ -199,7 +199,7 @@ std::vector<std::string> notes_of(const DisturbanceCircuit& layout) {
   if (layout.amplitude) {
     out.push_back(
         "amplitude: the stroke alpha, 1 V is full stroke; x is the reference divided by alpha, 0 to 1 V.");
-    out.push_back("This file stands alone: it is not to be included beside disturbance.sub.");
+    out.push_back("This file stands alone: it is not to be included together with disturbance.sub.");
   }
   out.push_back("slope_detector x branch: makes the branch signal from the slope of x.");
   out.push_back("No analysis and no control section: for ngspice, LTspice and Xyce alike.");

@@ -18,7 +18,7 @@ Json to_json(const DisturbanceCircuit& layout);
 Json to_json(const DisturbanceCircuit& layout, const Budget& budget, const Timing& timing);
 
 /// `.subckt disturbance x branch out`, with amplitude gains `.subckt disturbance_amplitude x branch amplitude out`; more than two
-/// branches have their select lines after `branch`. Beside it, when there is a switch, `.subckt slope_detector x branch`. `errors`:
+/// branches have their select lines after `branch`. Next to it, when there is a switch, `.subckt slope_detector x branch`. `errors`:
 /// every multiplier off by these limits (for checks).
 std::string disturbance_library(const DisturbanceCircuit& layout, const std::string& title,
                                 const std::optional<ErrorLimits>& errors = {});

@@ -14,7 +14,7 @@ std::optional<Series> parts_of(const Node& table, const std::string& unit) {
   const std::string values = "values_" + unit, least = "least_" + unit, greatest = "greatest_" + unit;
   table.allow_only({values, "series", least, greatest});
   if (table.has(values) && table.has("series"))
-    table.at("series").fail("stands beside " + values + ", expected one of the two");
+    table.at("series").fail("stands together with " + values + ", expected one of the two");
   if (table.has("series")) {
     const Node name = table.at("series");
     try {

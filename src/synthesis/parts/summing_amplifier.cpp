@@ -141,7 +141,7 @@ SummingDesign search_sum(const std::vector<double>& wanted, const std::vector<st
   for (const double feedback : feedbacks) search.from(feedback);
   if (!std::isfinite(search.least())) {
     throw DesignError(
-        fmt::format("{}: gains up to {} beside small ones are too far apart for resistors of {} to {} ohm",
+        fmt::format("{}: gains up to {} next to small ones are too far apart for resistors of {} to {} ohm",
                     what, rounded_text(largest), rounded_text(kLeastOhm), rounded_text(kGreatestOhm)));
   }
   SummingDesign out;

@@ -15,7 +15,7 @@ namespace {
 /// it (about the output resistance of its op-amp) keeps that one's phase margin, moves the zero to -1/((R1 +
 /// Rs) C1) and adds a pole at -1/(Rs C1), far above. With a pole at the origin R2 is absent:
 ///   H(s) = -(1 + s R1 C1)/(s R1 C2),   without the zero the integrator -1/(s R1 C2).
-/// `trimmed`: a second capacitor C3 beside C1, for designs of one or two stages: H(inf) = -(C1 + C3)/C2, which E12 values
+/// `trimmed`: a second capacitor C3 in parallel with C1, for designs of one or two stages: H(inf) = -(C1 + C3)/C2, which E12 values
 /// alone meet only in steps of about 1.7 dB.
 class FirstOrder final : public StageForm {
  public:

@@ -45,7 +45,7 @@ Outcome<const StageRealisation*> form_of(const Section& section, const StageReal
                                              ? Refusal{"it makes no pole at 0"}
                                              : asked->refusal(section);
   if (!refusal) return asked;
-  // A single real pole beside two-pole forms is always made by the first-order one.
+  // A single real pole next to two-pole forms is always made by the first-order one.
   if (section.poles.size() == 1) return best_form(section);
   return Refusal{fmt::format("stage {} cannot be made as {}: {}; opamp-rc chooses a form that can",
                              number + 1, asked->name(), refusal->reason)};

@@ -81,7 +81,7 @@ class Bench {
 Study study_errors(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
                    const StudyOptions& options);
 
-/// One drawn copy at one frequency: the fast model beside ngspice on the netlist with those very deviations.
+/// One drawn copy at one frequency: the fast model alongside ngspice on the netlist with those very deviations.
 struct DrawCheck {
   std::uint64_t draw = 0;
   Hertz frequency;

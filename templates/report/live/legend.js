@@ -1,4 +1,4 @@
-// The list of a plot's traces: each a switch, with its value under the cursor beside it.
+// The list of a plot's traces: each a switch, with its value under the cursor next to it.
 
 const MANY_TRACES = 4;
 

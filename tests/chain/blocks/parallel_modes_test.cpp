@@ -42,7 +42,7 @@ void expect_kernel_is_response(const Block& block) {
 
 TEST(ParallelModes, StatesAndFormulaAreOneResponse) {
   expect_kernel_is_response(two_modes());
-  expect_kernel_is_response(two_modes().set("beside_hz", 45.0).set("beside_damping_ratio", 0.03));
+  expect_kernel_is_response(two_modes().set("resonator_hz", 45.0).set("resonator_damping_ratio", 0.03));
   expect_kernel_is_response(
       make_block("right_half_plane_zero").set("right_zero_hz", 40.0).set("pole_hz", 90.0));
 }
@@ -55,7 +55,7 @@ TEST(ParallelModes, AreASumOfResonatorsBesideThePath) {
 }
 
 TEST(ParallelModes, BesideAResonatorTheirGainsArePartsOfItsGain) {
-  const auto beside = two_modes().set("beside_hz", 12.0).set("beside_damping_ratio", 0.1);
+  const auto beside = two_modes().set("resonator_hz", 12.0).set("resonator_damping_ratio", 0.1);
   for (double hz : {3.0, 12.0, 30.0, 41.0, 90.0}) {
     const Complex first = at(resonator(2.0, 12.0, 0.1), hz);
     const Complex sum = first + at(resonator(0.8, 30.0, 0.02), hz) + at(resonator(-0.3, 70.0, 0.05), hz);
@@ -73,7 +73,7 @@ TEST(ParallelModes, ListsOfDifferentLengthsAreRefused) {
 }
 
 TEST(ParallelModes, AreWrittenAndReadBack) {
-  Chain chain{{two_modes().set("beside_hz", 12.0).set("beside_damping_ratio", 0.1),
+  Chain chain{{two_modes().set("resonator_hz", 12.0).set("resonator_damping_ratio", 0.1),
                make_block("right_half_plane_zero").set("right_zero_hz", 40.0).set("pole_hz", 90.0)}};
   const std::string text = model_text(chain);
   EXPECT_EQ(model_text(model_from_node(parse_toml(text, "model.toml"))), text);

@@ -16,8 +16,8 @@ TEST(ErrorReference, ZerosOnTheAxisAreDamped) {
   notch.sections = {{1.0, {{0.0, w}, {0.0, -w}}, {{-w, 0.0}, {-w, 0.0}}}};
   // (jw - z)(jw - z*) = 2 w 0.02 w at the zero, over 2 w^2.
   EXPECT_NEAR(error_reference(notch, {w}), 0.02, 1e-12);
-  EXPECT_TRUE(beside_a_zero(notch, {1.01 * w}));
-  EXPECT_FALSE(beside_a_zero(notch, {1.1 * w}));
+  EXPECT_TRUE(is_near_zero(notch, {1.01 * w}));
+  EXPECT_FALSE(is_near_zero(notch, {1.1 * w}));
   EXPECT_NEAR(error_reference(notch, {1.1 * w}), std::abs(notch.response(RadPerSecond{1.1 * w})), 1e-12);
 }
 

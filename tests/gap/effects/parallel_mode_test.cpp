@@ -112,7 +112,7 @@ TEST(ParallelModesInResponse, StandBesideTheResonatorWhateverCameBetween) {
   effect.propose(gap::make_scene(model, train), proposals);
   ASSERT_EQ(proposals.size(), 1U);
   const auto blocks = proposals.front().model.chain().blocks;
-  EXPECT_EQ(blocks[2].get("beside_hz"), blocks[0].get("natural_frequency_hz"));
+  EXPECT_EQ(blocks[2].get("resonator_hz"), blocks[0].get("natural_frequency_hz"));
 }
 
 /// Of a stage whose sensor sees its second mode the other way round.

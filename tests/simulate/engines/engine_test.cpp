@@ -25,8 +25,8 @@ TEST(Engines, AgreeOnALinearChainTo1e9) {
            .set("gains", std::vector<double>{0.2, -0.1})
            .set("natural_frequencies_hz", std::vector<double>{12.0, 55.0})
            .set("damping_ratios", std::vector<double>{0.05, 0.02})
-           .set("beside_hz", 40.0)
-           .set("beside_damping_ratio", 0.05),
+           .set("resonator_hz", 40.0)
+           .set("resonator_damping_ratio", 0.05),
        make_block("right_half_plane_zero").set("right_zero_hz", 60.0).set("pole_hz", 90.0),
        make_block("gain").set("gain", -3.0).set("offset", 0.25)}};
   const auto in = record_of(401, 0.0025, two_sines);

@@ -53,7 +53,7 @@ class CellMaker {
   Drawing& drawing() { return cell.drawing; }
 
   /// The branch along y from x1 to x2, its further rows above. Within a series connection parallel ones stand
-  /// a step inside, so that two of them beside each other do not share a line.
+  /// a step inside, so that two of them next to each other do not share a line.
   void branch(const Branch& one, int x1, int x2, int y, bool within = false) {
     switch (one.kind) {
       case Branch::Kind::part: {
@@ -137,7 +137,7 @@ class CellMaker {
 
   /// A part from `node` at `at` straight down to ground.
   void down_to_ground(const Branch& one, const std::string& node, Point at) {
-    const Point centre = at + Point{0, 6};  // clear of the texts of what lies beside it
+    const Point centre = at + Point{0, 6};  // clear of the texts of what lies next to it
     drawing().wire(at, centre + Point{0, -3}, node);
     drawing().part(parts_[one.part], texts_(parts_[one.part]), centre, false, node, "0");
     drawing().supply("GND", centre + Point{0, 3}, "0");
@@ -227,7 +227,7 @@ void CellMaker::opamp(const OpAmp& opamp, Symbol symbol, std::vector<Branch>& re
   } else {
     int width = 0;
     for (const Branch& one : inner_link) width = std::max(width, size_of(one).width);
-    // Room for what else ends at the input, beside the inner node's line.
+    // Room for what else ends at the input, next to the inner node's line.
     const int room = upper_left.empty() ? 0 : 5, x = kBus - width - room;
     branch(inner_link.front().from(inner), x, kBus, -2);
     int row = -2 - kPitch * (size_of(inner_link.front()).rows + 1);

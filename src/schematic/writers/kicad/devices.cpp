@@ -77,7 +77,7 @@ Cell contact_cell(const std::string& reference, const std::string& value, const 
   out.drawing.symbol(std::move(symbol), {{{-6, 2}, control}, {{-6, 0}, from}, {{6, 0}, to}});
   name_pin(out, {-6, 2}, control, true);
   if (from == "0" && control == "0") {
-    // One ground for both: two beside each other stand on each other's names.
+    // One ground for both: two next to each other stand on each other's names.
     out.drawing.wire({-6, 0}, {-8, 0}, from);
     out.drawing.wire({-8, 0}, {-8, 2}, from);
   } else {
@@ -200,7 +200,7 @@ Cell package_supply_cell(Symbol unit, const std::array<std::string, 2>& capacito
     texts.reference = capacitors[upper ? 0 : 1];
     texts.value = "100n";
     texts.footprint = "Capacitor_SMD:C_0603_1608Metric";
-    // Beside the package: VCC to ground above, ground to VEE below.
+    // Next to the package: VCC to ground above, ground to VEE below.
     const int x = -16, y = upper ? -3 : 3;
     drawing.part(part, texts, {x, y}, false, upper ? "VCC" : "0", upper ? "0" : "VEE");
     const int rail = upper ? -6 : 6;

@@ -6,7 +6,7 @@
 #include "schematic/writers/kicad/cell.hpp"
 #include "schematic/writers/kicad/text.hpp"
 
-/// Cells beside op-amps and their parts: multiplier, contacts of a switch, diode, voltage reference, connectors,
+/// Cells besides op-amps and their parts: multiplier, contacts of a switch, diode, voltage reference, connectors,
 /// supplies. Pin numbers of the AD835, ADG413 and ADR45xx are
 /// remembered, to be compared with the data sheets before a board is made.
 namespace bodesmith::kicad {

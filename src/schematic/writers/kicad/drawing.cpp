@@ -47,15 +47,15 @@ void Drawing::part(const schematic::Part& part, const Symbol& like, Point at, bo
   out.at = at;
   out.angle = horizontal ? 90 : 0;
   out.pins = {"1", "2"};
-  const double beside = resistor ? 2.286 : 3.302;
+  const double aside = resistor ? 2.286 : 3.302;
   if (horizontal) {
-    out.reference_mm[1] = -beside;
-    out.value_mm[1] = beside;
+    out.reference_mm[1] = -aside;
+    out.value_mm[1] = aside;
     reach(at + Point{0, -3});
     reach(at + Point{0, 3});
   } else {
     out.text_to_right = true;
-    out.reference_mm[0] = out.value_mm[0] = beside - 0.4;
+    out.reference_mm[0] = out.value_mm[0] = aside - 0.4;
     out.reference_mm[1] = -1.27;
     out.value_mm[1] = 1.27;
     reach(at + Point{9, 0});

@@ -219,7 +219,7 @@ class GroupMaker {
     return out;
   }
 
-  /// Small cells above each other in columns about as high as what stands beside them.
+  /// Small cells above each other in columns about as high as what stands next to them.
   static void add_columns(const std::vector<Cell>& cells, Group& into) {
     constexpr std::size_t kInColumn = 3;
     for (std::size_t first = 0; first < cells.size(); first += kInColumn) {

@@ -38,7 +38,7 @@ class Rows {
   /// False when the group does not fit any more.
   bool add(const Group& group);
 
-  /// Cells beside each other whose ends are one net are wired, others named. What room is left is shared out
+  /// Cells next to each other whose ends are one net are wired, others named. What room is left is shared out
   /// between the rows and within them.
   Drawing drawing() const;
   bool empty() const { return rows_.empty(); }

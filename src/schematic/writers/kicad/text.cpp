@@ -185,7 +185,7 @@ Json symbol_json(const Symbol& symbol, const std::string& reference, const std::
                       {"id", fields.size()},
                       {"x", mm(x + (shift ? shift[0] : 0.0))},
                       {"y", mm(y + (shift ? shift[1] : 0.0))},
-                      // Beside a symbol that lies on its side, 90 degrees are a text that can be read.
+                      // Next to a symbol that lies on its side, 90 degrees are a text that can be read.
                       {"angle", symbol.angle == 90 ? "90" : "0"},
                       {"justify", symbol.text_to_right && shift ? " (justify left)" : ""},
                       {"hidden", hidden}});

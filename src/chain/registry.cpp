@@ -1,5 +1,7 @@
 #include "chain/registry.hpp"
 
+#include <mutex>
+
 #include "chain/blocks/hysteresis.hpp"
 #include "hysteresis/model_type.hpp"
 
@@ -16,6 +18,8 @@ BODESMITH_REGISTRY(BlockType, own_block_types, "block type", gain_block, lowpass
                    loop_block)
 
 Registry<BlockType>& block_type_registry() {
+  static std::mutex mutex;  // threads that are the first to ask
+  const std::lock_guard<std::mutex> lock(mutex);
   Registry<BlockType>& registry = own_block_types();
   static std::size_t models_known = 0;
   const auto& models = hysteresis::model_type_registry().all();

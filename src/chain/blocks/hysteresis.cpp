@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <mutex>
 
 #include "base/error.hpp"
 #include "chain/inverse.hpp"
@@ -122,6 +123,8 @@ class HysteresisBlock final : public BlockType {
 }  // namespace
 
 const BlockType& hysteresis_block_type(const ModelType& model) {
+  static std::mutex mutex;  // threads make blocks
+  const std::lock_guard<std::mutex> lock(mutex);
   static std::map<const ModelType*, std::unique_ptr<HysteresisBlock>> types;
   std::unique_ptr<HysteresisBlock>& type = types[&model];
   if (type == nullptr) type = std::make_unique<HysteresisBlock>(model);

@@ -65,7 +65,7 @@ TEST(ParallelModesInResponse, StandBesideTheModelsResonator) {
   };
   const auto result = found_beside(h, mode_alone(), 12);
   ASSERT_EQ(sorted_names(result), std::vector<std::string>{"parallel_mode"});
-  EXPECT_EQ(result.steps[0].placed, "beside block 1");
+  EXPECT_EQ(result.steps[0].placed, "in parallel with block 1");
   EXPECT_NEAR(result.final.terms()[0].unknowns[0].value, 330.0, 1.0);
   EXPECT_NEAR(result.final.terms()[0].unknowns[2].value, -0.15, 0.005);
   EXPECT_LT(result.train_rms, 0.012);
@@ -103,7 +103,7 @@ TEST(ParallelModesInResponse, StandBesideTheResonatorWhateverCameBetween) {
   std::vector<gap::Proposal> proposals;
   effect.propose(gap::make_scene(gap::Model(mode_alone()), train), proposals);
   const auto beside = std::find_if(proposals.begin(), proposals.end(), [](const gap::Proposal& p) {
-    return p.model.terms().front().placed == "beside block 1";
+    return p.model.terms().front().placed == "in parallel with block 1";
   });
   ASSERT_NE(beside, proposals.end());
   gap::Model model = beside->model;

@@ -66,8 +66,7 @@ int run_sc(const std::vector<std::string>& arguments) {
   const double temperature_k = line.positive("temperature-k");
   const fpaa::PeriodicNetworks networks =
       netlist.networks(noise ? std::optional(temperature_k) : std::nullopt);
-  const double settled = noise ? netlist.settled() : INFINITY;
-  if (settled < kSettled)
+  if (const double settled = networks.settled(); settled < kSettled)
     note(fmt::format(
         "an op-amp has {} time constants in the shortest phase: response and noise are those of settled ones",
         rounded_text(settled, 2)));

@@ -187,7 +187,7 @@ class MapMaker {
       a.row(row).setZero();
       a(row, row) = given(row, i) = 1.0;
     }
-    const MatrixXd unknown = solve_lu_columns(a, given);
+    const MatrixXd unknown = slow > 0 ? solve_lu_columns(a, given) : given;
     MatrixXd back(slow, slow);  // what comes back to each inverting input
     Eigen::VectorXd rate(slow), intensity(slow);
     for (Index i = 0; i < slow; ++i) {

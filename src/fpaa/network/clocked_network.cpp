@@ -63,15 +63,11 @@ ClockedNetwork::ClockedNetwork(const SwitchedNetwork& network, std::vector<std::
     auto found = maps.find(closed);
     if (found == maps.end()) found = maps.emplace(closed, charge_map(network, closed, with_noise)).first;
     at.push_back(&found->second);
-    intervals_.push_back({t,
-                          found->second.volts_q,
-                          found->second.volts_u,
-                          {},
-                          {},
-                          {},
-                          0.0,
-                          found->second.opamps.slowest_s,
-                          {}});
+    Interval& interval = intervals_.emplace_back();
+    interval.start = t;
+    interval.c = found->second.volts_q;
+    interval.d = found->second.volts_u;
+    interval.slowest_s = found->second.opamps.slowest_s;
   }
   for (std::size_t i = 0; i < intervals_.size(); ++i) {
     const Eigen::MatrixXd sums = regrouped(*at[(i + 1) % at.size()]);

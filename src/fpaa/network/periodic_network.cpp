@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/error.hpp"
@@ -641,6 +642,19 @@ std::vector<double> PeriodicNetworks::noise_density(RadPerSecond w) const {
     for (const std::size_t n : parts_[network]) {
       const double density = pass.density(n);
       if (n == parts_[network][0]) out[network] = 2.0 * density / ticks_per_second_;
+    }
+  }
+  return out;
+}
+
+double PeriodicNetworks::settled() const {
+  double out = std::numeric_limits<double>::infinity();
+  for (const Node& node : nodes_) {
+    const auto& intervals = node.clocked.intervals();
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+      const std::int64_t end = i + 1 < intervals.size() ? intervals[i + 1].start : node.clocked.period();
+      const double seconds = static_cast<double>(end - intervals[i].start) / ticks_per_second_;
+      if (intervals[i].slowest_s > 0.0) out = std::min(out, seconds / intervals[i].slowest_s);
     }
   }
   return out;

@@ -86,6 +86,9 @@ class PeriodicNetworks {
   /// One-sided noise density at the output, [network]: what each adds, in kT over the unit of capacitance, a hertz. Of networks made
   /// with their noise.
   std::vector<double> noise_density(RadPerSecond w) const;
+  /// How many of its op-amps' longest time constants an interval between switches takes, at the least; infinite without noise of
+  /// op-amps.
+  double settled() const;
 
  private:
   /// A network, or the part of it that reads some of its sources.

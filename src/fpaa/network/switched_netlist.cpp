@@ -212,17 +212,4 @@ double SwitchedNetlist::thermal_v2(double temperature_k) const {
   return std::pow(NoiseModel{.unit_capacitance_f = unit_f, .temperature_k = temperature_k}.unit_noise_v(), 2);
 }
 
-double SwitchedNetlist::settled() const {
-  const ClockedNetwork clocked(network, ticks, true);
-  double out = INFINITY;
-  for (std::size_t i = 0; i < clocked.intervals().size(); ++i) {
-    const auto& interval = clocked.intervals()[i];
-    const std::int64_t end =
-        i + 1 < clocked.intervals().size() ? clocked.intervals()[i + 1].start : clocked.period();
-    if (interval.slowest_s > 0.0)
-      out = std::min(out, static_cast<double>(end - interval.start) / ticks_per_second / interval.slowest_s);
-  }
-  return out;
-}
-
 }  // namespace bodesmith::fpaa

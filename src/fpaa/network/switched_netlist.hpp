@@ -38,9 +38,6 @@ struct SwitchedNetlist {
 
   /// kT over the unit of capacitance, V^2.
   double thermal_v2(double temperature_k) const;
-  /// By how many of its longest time constants an interval between switches is longer, at the least; infinite without
-  /// op-amps of a given bandwidth.
-  double settled() const;
 };
 
 }  // namespace bodesmith::fpaa

@@ -51,15 +51,12 @@ Band judged_band(const Sections& sections) {
   }
   // One corner is no band: a decade of what passes, an octave of what falls off (a decade of which is a millionth at order 6).
   if (corners.to.value < 2.0 * corners.from.value) {
-    bool passes_low = true;
-    std::size_t poles = 0, zeros = 0;
-    for (const Section& section : sections.sections) {
-      poles += section.poles.size();
-      zeros += section.zeros.size();
-      if (std::ranges::count(section.zeros, std::complex<double>(0.0)) > 0) passes_low = false;
-    }
-    return {{corners.from.value / (passes_low ? 10.0 : 2.0)},
-            {corners.to.value * (poles > zeros ? 2.0 : 10.0)}};
+    std::vector<Complex> zeros;
+    for (const Section& section : sections.sections)
+      zeros.insert(zeros.end(), section.zeros.begin(), section.zeros.end());
+    const bool falls_low = std::ranges::count(zeros, Complex(0.0)) > 0;
+    const bool falls_high = sections.pole_count() > static_cast<int>(zeros.size());
+    return {{corners.from.value / (falls_low ? 2.0 : 10.0)}, {corners.to.value * (falls_high ? 2.0 : 10.0)}};
   }
   return corners;
 }

@@ -174,6 +174,12 @@ DigitalFilter discretise(const Sections& sections, const DiscretiseOptions& opti
                                                                    : matched(section, options));
   }
   if (options.single_precision) round_to_single(out);
+  for (std::size_t i = 0; i < out.biquads.size(); ++i) {
+    const Biquad& q = out.biquads[i];
+    if (!std::isfinite(q.b0 + q.b1 + q.b2 + q.a1 + q.a2))
+      throw InputError(fmt::format("section {} has a root that {} at {} Hz takes beyond all numbers", i + 1,
+                                   to_string(options.method), rounded_text(options.sample_hz, 6)));
+  }
   if (options.fixed_bits > 0) round_to_fixed(out, options.fixed_bits);
   for (std::size_t i = 0; i < out.biquads.size(); ++i) {
     if (!is_stable(out.biquads[i]) && sections.sections[i].is_stable())

@@ -169,6 +169,24 @@ TEST(Discretise, MatchedHasThePolesAndTheGainAtDc) {
   EXPECT_NEAR(filter.response(Hertz{0.0}).real() / two_sections().dc_gain(), 1.0, 1e-13);
 }
 
+TEST(Discretise, ARootBeyondAllNumbersIsRefusedAndOnlyWhereItIsOne) {
+  // exp(1e9/8000) is none; Tustin's (k + 1e9)/(k - 1e9) is about -1.
+  Exportable far = designed();
+  far.sections->sections[0].zeros = {1e9};
+  DiscretiseOptions options;
+  options.sample_hz = 8000.0;
+  EXPECT_NO_THROW(discretise(*far.sections, options));
+  ExportOptions wanted;
+  wanted.discretise = options;
+  EXPECT_THAT(
+      testing::PrintToString(writer_for("a.c").write(far, wanted).said),
+      HasSubstr(
+          "matched would not do: section 1 has a root that matched at 8000 Hz takes beyond all numbers"));
+  options.method = Discretisation::matched;
+  options.fixed_bits = 18;  // rounded, no number becomes one
+  EXPECT_THROW(discretise(*far.sections, options), InputError);
+}
+
 TEST(Discretise, TheErrorToldIsTheLargestThereIs) {
   for (const Discretisation method : {Discretisation::tustin, Discretisation::matched}) {
     const DigitalFilter filter = digital(method, 8000.0);

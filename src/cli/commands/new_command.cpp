@@ -110,6 +110,7 @@ int run_new(const std::vector<std::string>& arguments) {
     if (std::ranges::find(project.schemas, schema.name) != project.schemas.end())
       out.add(fs::path(".schemas") / schema.file, schema.text);
   }
+  line.refuse_unread();
   out.commit();
   Json summary = json_header("new_summary", {});
   summary["kind"] = kind->name;

@@ -52,8 +52,8 @@ tuning::TuneOptions tune_options(const CommandLine& line) {
   out.limits.max_sensitivity = line.maybe_positive("max-sensitivity");
   if (out.limits.max_sensitivity && *out.limits.max_sensitivity <= 1.0)
     line.fail("--max-sensitivity is not above 1, which every loop that rolls off exceeds");
-  if (const auto hz = line.maybe_positive("bandwidth-hz")) out.bandwidth = Hertz{*hz};
-  if (const auto hz = line.maybe_positive("derivative-corner-hz")) out.derivative_corner = Hertz{*hz};
+  if (line.has("bandwidth-hz")) out.bandwidth = line.analog_frequency("bandwidth-hz");
+  if (line.has("derivative-corner-hz")) out.derivative_corner = line.analog_frequency("derivative-corner-hz");
   out.seed = line.seed_value();
   return out;
 }

@@ -35,8 +35,12 @@ class CWriter : public Writer {
                                    error_text(filter.error)));
     DiscretiseOptions other = options.discretise;
     other.method = filter.method == Discretisation::tustin ? Discretisation::matched : Discretisation::tustin;
-    out.said.push_back(fmt::format("{} would be off by {}", to_string(other.method),
-                                   error_text(discretise(sections, other).error)));
+    try {
+      out.said.push_back(fmt::format("{} would be off by {}", to_string(other.method),
+                                     error_text(discretise(sections, other).error)));
+    } catch (const InputError& why) {
+      out.said.push_back(fmt::format("{} would not do: {}", to_string(other.method), why.what()));
+    }
     if (sections.delay_s > 0.0)
       out.said.push_back(fmt::format("the delay of {} ({} samples) is not in it",
                                      engineering_text(sections.delay_s, "s", 4),

@@ -143,6 +143,8 @@ TEST_F(HardInputs, AbsurdNumbersAreAnswered) {
   write("gains.csv", "frequency_hz,gain\n1,1\n10,2\n100,1\n");
   EXPECT_THAT(refusal("fit " + at("gains.csv") + " --lower=abc -o " + at("c.json")),
               HasSubstr("--lower is for another kind of work: 'With --direct'"));
+  EXPECT_THAT(refusal("tune " + at("a.json") + " --bandwidth-hz 1e308 -o " + at("c.json")),
+              HasSubstr("--bandwidth-hz is 1e+308, expected 1e-6 to 1e9 Hz"));
 }
 
 TEST_F(HardInputs, OutputsReplaceNoInputAndStandTogether) {
@@ -158,6 +160,8 @@ TEST_F(HardInputs, OutputsReplaceNoInputAndStandTogether) {
   EXPECT_THAT(refusal("bode " + at("a.json") + " -o " + at("first.csv") + " --svg /dev/full"),
               HasSubstr("/dev/full: cannot be written"));
   EXPECT_FALSE(std::filesystem::exists(at("first.csv")));
+  EXPECT_THAT(refusal("new " + at("made") + " --kind filter --kd 1"), HasSubstr("--kd does nothing"));
+  EXPECT_FALSE(std::filesystem::exists(at("made")));
   // While another process writes into a folder nobody else does.
   std::filesystem::create_directory(at("out"));
   const ProgramResult second = run_shell("flock " + at("out") + " " + BODESMITH_PROGRAM + " spice " +

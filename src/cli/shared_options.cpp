@@ -175,7 +175,10 @@ void add_noise_options(CommandLine& line) {
 fpaa::NoiseModel read_noise_model(const CommandLine& line) {
   const double weight = line.get<double>("noise-weight");
   if (!(weight >= 0.0)) line.fail(fmt::format("--noise-weight is {}, expected 0 or more", weight));
-  return {line.positive("unit-capacitance-f"), line.positive("noise-temperature-k"), weight};
+  const double unit_f = line.get<double>("unit-capacitance-f");
+  if (!(unit_f >= 1e-18 && unit_f <= 1e-6))
+    line.fail(fmt::format("--unit-capacitance-f is {}, expected 1e-18 to 1e-6 F", unit_f));
+  return {unit_f, line.positive("noise-temperature-k"), weight};
 }
 
 namespace {

@@ -21,30 +21,58 @@ Eigen::MatrixXd propagator(const StateSpace& system, double step) {
   return matrix_exponential(m);
 }
 
-double crossing_time(const TimeResponse& r, double level, double final_value) {
-  for (std::size_t i = 1; i < r.step.size(); ++i) {
-    const double a = r.step[i - 1] / final_value;
-    const double b = r.step[i] / final_value;
-    if (a < level && b >= level)
-      return r.time_s[i - 1] + (level - a) / (b - a) * (r.time_s[i] - r.time_s[i - 1]);
-  }
-  return 0.0;
-}
-
-std::optional<TimeResponse::Figures> figures_of(const TimeResponse& r, double final_value) {
+/// Figures of the step that do not hang on which times were asked for: on a grid of their own, and exact between its times.
+std::optional<TimeResponse::Figures> figures_of(const Sections& sections, const StateSpace& system) {
+  const double final_value = sections.dc_gain();
   if (!std::isfinite(final_value) || final_value == 0.0) return std::nullopt;
+  if (!std::ranges::all_of(sections.sections, &Section::is_stable)) return std::nullopt;
   constexpr double kBand = 0.02;
-  if (std::abs(r.step.back() / final_value - 1.0) > kBand) return std::nullopt;
+  constexpr int kTimes = 2000;
+  const auto n = static_cast<Eigen::Index>(system.order());
+  const Eigen::Map<const Eigen::VectorXd> c(system.c.data(), n);
+  const double interval = (response_duration_s(sections) - sections.delay_s) / kTimes;
+  const auto share = [&](const Eigen::VectorXd& state) {
+    return (c.dot(state.head(n)) + system.d) / final_value;
+  };
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(n + 1);
+  state(n) = 1.0;
+  const Eigen::MatrixXd step = propagator(system, interval);
   TimeResponse::Figures out;
   out.final_value = final_value;
-  out.rise_s = std::max(0.0, crossing_time(r, 0.9, final_value) - crossing_time(r, 0.1, final_value));
-  double most = 1.0;
-  for (std::size_t i = 0; i < r.step.size(); ++i) {
-    const double value = r.step[i] / final_value;
+  double most = 1.0, last = share(state), low_s = NAN, high_s = NAN;
+  const auto outside = [&](double value) { return std::abs(value - 1.0) > kBand; };
+  // Poles that are equal take longer than one of them.
+  for (int k = 0; k < kTimes || (k < 20 * kTimes && std::abs(last - 1.0) > 0.1 * kBand); ++k) {
+    const Eigen::VectorXd next = step * state;
+    const double value = share(next);
+    /// Where within this interval `beyond` changes.
+    const auto change = [&](const auto& beyond) {
+      double from = 0.0, to = interval;
+      const bool at_first = beyond(last);
+      for (int halving = 0; halving < 30; ++halving) {
+        const double middle = 0.5 * (from + to);
+        (beyond(share(propagator(system, middle) * state)) == at_first ? from : to) = middle;
+      }
+      return k * interval + to;
+    };
+    const auto first_above = [&](double level, double& time_s) {
+      if (!std::isnan(time_s)) return;
+      if (last >= level)
+        time_s = k * interval;
+      else if (value >= level)
+        time_s = change([&](double at) { return at >= level; });
+    };
+    first_above(0.1, low_s);
+    first_above(0.9, high_s);
+    if (outside(last) && !outside(value)) out.settling_s = sections.delay_s + change(outside);
     most = std::max(most, value);
-    if (std::abs(value - 1.0) > kBand) out.settling_s = i + 1 < r.step.size() ? r.time_s[i + 1] : r.time_s[i];
+    state = next;
+    last = value;
   }
-  out.overshoot_percent = 100.0 * (most - 1.0);
+  out.rise_s = high_s - low_s;
+  if (std::isnan(out.rise_s) || outside(last)) return std::nullopt;
+  constexpr double kRounding = 1e-12;
+  out.overshoot_percent = most - 1.0 > kRounding ? 100.0 * (most - 1.0) : 0.0;
   return out;
 }
 
@@ -96,7 +124,7 @@ TimeResponse time_response(const Sections& sections, double duration_s, int coun
     after_step = one_step * after_step;
     after_impulse = one_step * after_impulse;
   }
-  out.figures = figures_of(out, sections.dc_gain());
+  out.figures = figures_of(sections, system);
   return out;
 }
 

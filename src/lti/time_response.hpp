@@ -20,10 +20,9 @@ struct TimeResponse {
     double final_value = 0.0;
     double rise_s = 0.0;             ///< from 10 to 90 % of the final value
     double overshoot_percent = 0.0;  ///< beyond the final value
-    double settling_s = 0.0;         ///< until it stays within 2 %
+    double settling_s = 0.0;         ///< until it stays within 2 %, from t = 0
   };
-  std::optional<Figures>
-      figures;  ///< by straight lines between the times; absent where the record ends too early
+  std::optional<Figures> figures;  ///< whatever the times are
 };
 
 /// Long enough for the slowest pole to fall to 1e-3, plus the delay.

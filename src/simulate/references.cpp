@@ -164,8 +164,8 @@ TimeRecord make_reference(const ReferenceSpec& spec) {
     throw InputError("a reference needs frequencies above 0 Hz");
   const double count = std::round(spec.duration_s / spec.step_s);
   if (!(count >= 1.0) || count > 5e7) {
-    throw InputError(
-        fmt::format("a reference of {} samples, expected 2 to 50 million", rounded_text(count + 1.0)));
+    throw InputError(fmt::format("a reference of {} s in steps of {} s, expected 2 to 50 million samples",
+                                 rounded_text(spec.duration_s), rounded_text(spec.step_s)));
   }
   const Kind& kind = kind_named(spec.kind);
   const double highest = kind.highest(spec).value;

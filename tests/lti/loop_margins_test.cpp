@@ -164,8 +164,39 @@ TEST(TimeResponse, OfThreeLagsIsTheClosedFormLaterByTheDelay) {
   ASSERT_TRUE(r.figures);
   EXPECT_DOUBLE_EQ(r.figures->final_value, 2.0);
   // Rise of three equal lags from 10 to 90 %: x = 1.10207 to 5.32232.
-  EXPECT_NEAR(r.figures->rise_s, (5.32232 - 1.10207) / kCorner, 2e-6);
+  EXPECT_NEAR(r.figures->rise_s, (5.32232 - 1.10207) / kCorner, 1e-8);
   EXPECT_EQ(r.figures->overshoot_percent, 0.0);
+}
+
+TEST(TimeResponse, FiguresDoNotHangOnTheTimesAskedFor) {
+  // Damping .3 at 1000 rad/s: beyond by exp(-pi .3/sqrt(1 - .3^2)); a lag of 10 us: ln 9 and ln 50 of them, from its delay on.
+  Sections ringing, lag;
+  ringing.sections.push_back(
+      {1e6, {}, {Complex(-300.0, 1000.0 * std::sqrt(0.91)), Complex(-300.0, -1000.0 * std::sqrt(0.91))}});
+  lag.sections.push_back({-3e5, {}, {-1e5}});
+  lag.delay_s = 1e-3;
+  for (const int count : {2, 1000}) {
+    const TimeResponse one = time_response(ringing, 0.1, count), other = time_response(lag, 0.1, count);
+    ASSERT_TRUE(one.figures && other.figures);
+    EXPECT_NEAR(one.figures->overshoot_percent, 100.0 * std::exp(-std::numbers::pi * 0.3 / std::sqrt(0.91)),
+                1e-3);
+    EXPECT_DOUBLE_EQ(other.figures->final_value, -3.0);
+    EXPECT_NEAR(other.figures->rise_s, std::log(9.0) * 1e-5, 1e-12);
+    EXPECT_NEAR(other.figures->settling_s, 1e-3 + std::log(50.0) * 1e-5, 1e-12);
+    // The last time that the ringing is 2 % off, by its closed form.
+    double settled = 0.0;
+    for (double t = 0.02; t > 0.0 && settled == 0.0; t -= 1e-7) {
+      const double w = 1000.0 * std::sqrt(0.91);
+      if (std::abs(std::exp(-300.0 * t) * (std::cos(w * t) + 300.0 / w * std::sin(w * t))) > 0.02)
+        settled = t;
+    }
+    EXPECT_NEAR(one.figures->settling_s, settled, 2e-7);
+  }
+  Sections unstable = lag, high_pass = lag;
+  unstable.sections[0].poles = {1e5};
+  high_pass.sections[0].zeros = {0.0};
+  EXPECT_FALSE(time_response(unstable, 1e-4, 5).figures);
+  EXPECT_FALSE(time_response(high_pass, 1e-4, 5).figures);
 }
 
 TEST(TimeResponse, WhatGoesStraightThroughIsTold) {

@@ -102,8 +102,9 @@ TEST_F(BodeCommand, AMeasuredResponseHasItsOwnGridItsRangeAndItsDelay) {
   csv = table();
   for (std::size_t i = 0; i < 121; ++i) {
     const double f = csv.column("frequency_hz")[i], db = csv.column("m_magnitude_db")[i];
-    if (i < 40 || i > 80) EXPECT_EQ(db, kEmpty) << f;
-    if (i > 40 && i < 80) EXPECT_NEAR(db, 6.0 - 10.0 * std::log10(f), 1e-9) << f;
+    // Its own ends may round to either side.
+    if (i == 40 || i == 80) continue;
+    EXPECT_NEAR(db, i < 40 || i > 80 ? kEmpty : 6.0 - 10.0 * std::log10(f), 1e-9) << f;
   }
   EXPECT_NEAR(wide["responses"][0]["highest_db"].get<double>(), -4.0, 0.3);
   EXPECT_NEAR(wide["responses"][0]["lowest_db"].get<double>(), -14.0, 0.3);

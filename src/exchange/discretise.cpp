@@ -9,7 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "lti/frequency_grid.hpp"
+#include "lti/judge_responses.hpp"
 
 namespace bodesmith::exchange {
 namespace {
@@ -133,14 +133,12 @@ DigitalFilter::Error error_of(const DigitalFilter& filter, const Sections& secti
   const bool flat = !(corners.to.value > 0.0);
   band.to = Hertz{flat ? limit : std::min(limit, 10.0 * corners.to.value)};
   band.from = Hertz{flat ? limit * 1e-3 : std::min(0.1 * corners.from.value, 0.5 * band.to.value)};
-  const std::vector<Hertz> grid = log_grid(band, 1000);
-  std::vector<Complex> got, wanted;
-  for (const Hertz f : grid) {
-    got.push_back(filter.response(f));
-    const Complex s(0.0, f.rad_s().value);
-    wanted.push_back(sections.response(s) * std::exp(s * sections.delay_s));
-  }
-  return {compare_responses(grid, got, wanted), band};
+  const auto wanted = [&sections](RadPerSecond w) {
+    const Complex s(0.0, w.value);
+    return sections.response(s) * std::exp(s * sections.delay_s);
+  };
+  const auto got = [&filter](RadPerSecond w) { return filter.response(w.hz()); };
+  return {judge_responses(at_each(got), at_each(wanted), band), band};
 }
 
 }  // namespace

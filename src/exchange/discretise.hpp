@@ -43,7 +43,8 @@ struct DigitalFilter {
   int fraction_bits = 0;  ///< of fixed_bits: behind the point, as many as the greatest coefficient leaves
 
   struct Error : ResponseDifference {
-    /// From a tenth of the lowest corner to ten times the highest, at most 0.45 of the sampling rate.
+    /// From a tenth of the lowest corner to ten times the highest, at most 0.45 of the sampling rate; where the sections have
+    /// kJudgedFloor of their largest magnitude there.
     Band band;
   } error;
 

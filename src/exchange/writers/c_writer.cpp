@@ -11,7 +11,7 @@ namespace bodesmith::exchange {
 namespace {
 
 std::string error_text(const DigitalFilter::Error& error) {
-  return fmt::format("{} dB, {} degrees, {} % (worst at {}) from {} to {}",
+  return fmt::format("{} dB, {} degrees, {} % (worst at {}) from {} to {}, above -60 dB",
                      rounded_text(error.max_magnitude_db, 3), rounded_text(error.max_phase_deg, 3),
                      rounded_text(error.max_complex_percent, 3), engineering_text(error.worst.value, "Hz", 4),
                      engineering_text(error.band.from.value, "Hz", 4),

@@ -139,19 +139,22 @@ bool is_far_above_white_floor(const Diagnosis& d) {
 
 }  // namespace
 
-Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOptions& options) {
+Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOptions& options) {
   const ThreadAllowance allowance(options.threads);
   Stopwatch watch;
+  Study study = given;
   Diagnosis d;
   d.relative = study.frequency_responses();
   d.weighted = study.weighted();
   SearchOptions chosen = options;
   if (study.split()) chosen.bounds.max_unknowns = kMaxUnknownsWhenSplit;
   d.amplitude = amplitude_dependence(study.train());
-  const Experiments searched = d.amplitude ? of_least_drive(study.train()) : study.train();
+  Experiments searched = d.amplitude ? of_least_drive(study.train()) : study.train();
   StartedSearch started = search_from_start(base, searched, chosen);
   d.search = std::move(started.search);
   d.start = started.start;
+  study.set_holds(d.search.holds);
+  set_holds(searched, d.search.holds);
   if (d.amplitude) d.search.structure.push_back(sign_of_drive(*d.amplitude));
   // The held-out records come in here, when all is decided. Lines of the mains are written as the first of
   // them has them.

@@ -54,6 +54,7 @@ class TimeBench final : public Bench {
   static simulate::RecordOptions options(const TimeExperiment& experiment) {
     simulate::RecordOptions o;
     o.start_s = experiment.record().start_s;
+    o.oversample = experiment.holds();
     o.same_input = true;
     // A search need not follow wild values to their end, nor leading ones to the last digit.
     o.max_parts = 3.0;

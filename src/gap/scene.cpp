@@ -84,6 +84,7 @@ Scene scene_of(const Model& model, const TimeExperiment& experiment) {
   scene.top_hz = 0.5 / record.step_s;
   simulate::RecordOptions options;
   options.start_s = record.start_s;
+  options.oversample = experiment.holds();
   simulate::RecordSimulator simulator(with_lines_of(model, experiment).chain(), record.step_s, options);
   for (std::size_t blocks = 0; blocks <= model.size(); ++blocks) {
     scene.boundary.push_back(signal_of(simulator.run_until(record.u, blocks), record.step_s));

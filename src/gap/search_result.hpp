@@ -60,6 +60,7 @@ struct SearchResult {
   std::vector<Ranked> refused;  ///< the ranking of the round in which nothing earned its place
   std::vector<Sign> structure;  ///< what still points to something missing
   NoiseFloor floor;
+  std::size_t holds = 1;      ///< of the engine to a sample (TimeExperiment::set_holds) in what follows
   double train_rms = 0.0;     ///< of the final model, over what the search scored
   double log_evidence = 0.0;  ///< of it there
   bool stopped = false;

@@ -87,6 +87,11 @@ std::vector<Record> read_all(const std::vector<std::filesystem::path>& files, Pr
 
 }  // namespace
 
+void Study::set_holds(std::size_t holds) {
+  gap::set_holds(train_, holds);
+  gap::set_holds(holdout_, holds);
+}
+
 bool Study::frequency_responses() const {
   return are_responses(train_);
 }

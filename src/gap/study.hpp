@@ -29,6 +29,8 @@ class Study {
   bool weighted() const;
   /// Nothing was held out, so a part of each training record is.
   bool split() const { return split_; }
+  /// Of all time records (TimeExperiment::set_holds).
+  void set_holds(std::size_t holds);
 
  private:
   Experiments train_;

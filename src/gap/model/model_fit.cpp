@@ -99,6 +99,7 @@ Directions free_responses(const Model& model, const TimeExperiment& experiment, 
   const auto input = std::span<const double>(record.u).first(experiment.end());
   simulate::RecordOptions options;
   options.start_s = record.start_s;
+  options.oversample = experiment.holds();
   simulate::RecordSimulator simulator(model.chain(), record.step_s, options);
   const auto from_rest = simulator.run(input).subspan(first);
   const std::vector<double> base(from_rest.begin(), from_rest.end());

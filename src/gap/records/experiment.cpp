@@ -82,6 +82,12 @@ bool are_responses(const Experiments& experiments) {
   return !experiments.empty() && std::holds_alternative<FrequencyExperiment>(experiments.front());
 }
 
+void set_holds(Experiments& experiments, std::size_t holds) {
+  for (Experiment& one : experiments) {
+    if (auto* record = std::get_if<TimeExperiment>(&one)) record->set_holds(holds);
+  }
+}
+
 std::size_t scored_samples(const Experiments& experiments) {
   std::size_t total = 0;
   for (const auto& e : experiments)

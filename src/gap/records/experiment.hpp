@@ -70,6 +70,9 @@ class TimeExperiment {
   /// The same use of the same input with another measured output.
   TimeExperiment with_output(std::vector<double> y) const;
 
+  /// Holds of the engine to a sample (simulate::RecordOptions::oversample).
+  void set_holds(std::size_t holds) { holds_ = holds; }
+  std::size_t holds() const { return holds_; }
   /// Nonlinear dynamics in steps of a whole sample: about twice as fast, right to some 1e-4 of the output.
   void set_coarse() { coarse_ = true; }
   bool coarse() const { return coarse_; }
@@ -81,6 +84,7 @@ class TimeExperiment {
   std::size_t start_ = 0;
   std::size_t left_out_ = 0;
   std::size_t end_ = 0;
+  std::size_t holds_ = 1;
   bool coarse_ = false;
 };
 
@@ -129,6 +133,8 @@ Visitor(Functions...) -> Visitor<Functions...>;
 
 /// The records are frequency responses: a list of them holds one kind.
 bool are_responses(const Experiments& experiments);
+/// Of all time records (TimeExperiment::set_holds).
+void set_holds(Experiments& experiments, std::size_t holds);
 /// Samples scored in all of them.
 std::size_t scored_samples(const Experiments& experiments);
 /// The largest range of them.

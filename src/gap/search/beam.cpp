@@ -96,8 +96,10 @@ Ranked as_it_stands(const PlacedSet& set, std::size_t term, double score) {
   return r;
 }
 
-/// Takes out every name without which the evidence is greater, or which takes too little: what has most unknowns first.
-PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
+/// Takes out every name without which the evidence is greater, or which takes too little: what has most unknowns first. One name
+/// alone was weighed when it came in.
+PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, PlacedSet set,
+                  bool last_one_too = false) {
   for (bool again = true; again && count_of(set) > 0 && !setting.options.is_late();) {
     again = false;
     std::vector<std::size_t> order(count_of(set));
@@ -107,8 +109,7 @@ PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, Pl
     });
     for (const std::size_t k : order) {
       const bool is_no_name = term_is_no_name(set.model, k, records.train);
-      // One name alone was weighed when it came in.
-      if (count_of(set) == 1 && !is_no_name) break;
+      if (count_of(set) == 1 && !is_no_name && !last_one_too) break;
       auto less = without_term(setting, records, set, k);
       if (!is_no_name && matters(setting, records, less.model, set.train_rms) &&
           set.log_evidence > less.log_evidence)
@@ -234,6 +235,26 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
   }
 }
 
+/// Where the engine's own error is a part of what is left, some names may stand for that: with more holds to a sample the set is
+/// fitted anew, as is the base model's, and names go without which the evidence is greater. If that comes further, it was so.
+void without_the_engines_own(const SearchSetting& setting, const PlacedSet& base_set, Beam& beam) {
+  const std::size_t holds = enough_holds(beam.best.model, beam.records.train);
+  if (holds == beam.holds) return;
+  Beam finer = beam;
+  finer.holds = holds;
+  set_holds(finer.records.train, holds);
+  set_holds(finer.records.stretches, holds);
+  const auto fitted = [&](PlacedSet set) {
+    set.model = fit_in_turn(setting, finer.records, std::move(set.model)).model;
+    weigh(finer.records, set);
+    return set;
+  };
+  finer.best = dropped(setting, finer.records, fitted(std::move(finer.best)), true);
+  if (PlacedSet base = fitted(base_set); base.log_evidence > finer.best.log_evidence)
+    finer.best = std::move(base);
+  if (finer.best.log_evidence > beam.best.log_evidence) beam = std::move(finer);
+}
+
 /// Two names at once, where one after the other came to no end, or one of many unknowns may stand for two others.
 void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
   const auto& options = setting.options;
@@ -280,13 +301,17 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   weigh(beam.records, beam.best);
   const auto& options = setting.options;
   const PlacedSet base_set = beam.best;
-  const SearchRecords base_records = beam.records;
+  SearchRecords base_records = beam.records;
   grow(setting, beam, true);
+  if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
   if (are_responses(beam.records.train) || options.max_terms < 2 || options.is_late()) return;
   const bool left = is_something_left(options, beam.best.model, beam.records);
   if (!left && !could_be_fewer(beam.best.model)) return;
   Beam base;
-  base.records = base_records;
+  base.records = std::move(base_records);
+  base.holds = beam.holds;
+  set_holds(base.records.train, beam.holds);
+  set_holds(base.records.stretches, beam.holds);
   base.best = base_set;
   base.first = beam.first;
   try_pairs(setting, base, beam);

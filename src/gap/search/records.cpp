@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "gap/runner.hpp"
 #include "gap/search/stretches.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -20,6 +22,11 @@ Experiments as_searched(Experiments experiments) {
   return experiments;
 }
 
+/// Part of the rms left that no longer counts, as it adds by squares.
+constexpr double kOwnShare = 0.3;
+/// Beyond them the search would take longer than it may.
+constexpr std::size_t kMostHolds = 8;
+
 }  // namespace
 
 SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model) {
@@ -27,6 +34,24 @@ SearchRecords make_records(const Experiments& train, const StretchOptions& optio
   records.stretches = stretches_of(records.train, options);
   lengthen_leads(records.stretches, records.train, model);
   return records;
+}
+
+std::size_t enough_holds(const Model& model, const Experiments& train) {
+  if (are_responses(train)) return 1;
+  const auto residuals = [&](std::size_t holds) {
+    Experiments records = train;
+    set_holds(records, holds);
+    return residuals_of(model, records);
+  };
+  std::size_t holds = std::get<TimeExperiment>(train.front()).holds();
+  for (std::vector<double> now = residuals(holds); holds < kMostHolds; holds *= 2) {
+    std::vector<double> finer = residuals(2 * holds);
+    if (now.size() != finer.size()) break;
+    for (std::size_t i = 0; i < now.size(); ++i) now[i] -= finer[i];
+    if (!(rms(now) > kOwnShare * rms(finer))) break;
+    now = std::move(finer);
+  }
+  return holds;
 }
 
 LeastSquaresOptions fit_options(const SearchOptions& options, int iterations) {

@@ -27,6 +27,10 @@ struct SearchRecords {
 /// All starts scored, as a search begins; stretches with the leads that `model` needs.
 SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model);
 
+/// Holds of the engine to a sample with which its own error is no part of what the model leaves: one, but where a branch switches
+/// between samples in front of something fast.
+std::size_t enough_holds(const Model& model, const Experiments& train);
+
 LeastSquaresOptions fit_options(const SearchOptions& options, int iterations);
 
 /// Fits on the stretches first when the records are long, then on the training records. 0 iterations: SearchOptions::refit_iterations.

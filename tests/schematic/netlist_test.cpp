@@ -13,6 +13,7 @@
 #include "schematic/analysis/response.hpp"
 #include "schematic/analysis/rest_point.hpp"
 #include "schematic/netlist.hpp"
+#include "schematic/ngspice/plain_netlist.hpp"
 #include "schematic/series_parallel.hpp"
 #include "schematic/writers/spice_library.hpp"
 
@@ -373,6 +374,56 @@ TEST(SpiceLibrary, ReadBackItIsTheSameCircuitAndTheSameBytes) {
   EXPECT_EQ(back.sources[0].volts, 0.25);
   EXPECT_NEAR(back.multiplier.scale_v, 1.05, 1e-12);
   EXPECT_THROW(read.subcircuit("nothing"), InputError);
+}
+
+/// The first number after a word.
+double number_after(const std::string& text, const std::string& word) {
+  return std::stod(text.substr(text.find(word) + word.size()));
+}
+
+TEST(SpiceLibrary, AnOpAmpsNoiseIsMadeOfAResistorTwoDiodesAndACurrent) {
+  OpAmpModel model;
+  model.voltage_noise_v_per_rthz = 5e-9;
+  model.voltage_noise_corner_hz = 400.0;
+  model.current_noise_a_per_rthz = 2e-13;
+  constexpr double k4T = 4.0 * 1.380649e-23 * 300.15, q = 1.602176634e-19;
+  const std::string text = opamp_subcircuit(model);
+  const double amperes = number_after(text, "Gb1 0 d1 VALUE={"), slope_ohm = 0.25 * k4T / q / amperes;
+  EXPECT_EQ(number_after(text, "Gb2 0 d2 VALUE={"), amperes);
+  // Far above the corner 4 k T R and 2 q I r^2 of two diodes; KF I/f behind each r is as much at the corner.
+  EXPECT_NEAR(
+      (k4T * number_after(text, "Rn vn 0 ") + 2.0 * 2.0 * q * amperes * slope_ohm * slope_ohm) / 25e-18, 1.0,
+      1e-6);
+  EXPECT_NEAR(
+      2.0 * number_after(text, "(IS=1e-14 N=1 KF=") * amperes * slope_ohm * slope_ohm / 400.0 / 25e-18, 1.0,
+      1e-6);
+  EXPECT_NEAR(number_after(text, "Gp 0 p VALUE={") * std::sqrt(k4T * number_after(text, "Rp vp 0 ")) / 2e-13,
+              1.0, 1e-6);
+  model.voltage_noise_corner_hz = 0.0;
+  EXPECT_NEAR(k4T * number_after(opamp_subcircuit(model), "Rn vn 0 ") / 25e-18, 1.0, 1e-6);
+  EXPECT_EQ(opamp_subcircuit(model).find("D1"), std::string::npos);
+}
+
+TEST(PlainNetlist, TheSubcircuitOfTwoPinsThatIsMeant) {
+  const auto all = ngspice::list_subcircuits(
+      ".subckt first in out\n.ends\n.SUBCKT Three a b c gain=2\n.ends\n.subckt last in out params: r=1\n.subckt inner x y\n.ends\n.ends\n",
+      "f.sub");
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[1].pins.size(), 3u);
+  EXPECT_EQ(all[2].pins.size(), 2u);
+  EXPECT_EQ(all[2].line, 5);
+  EXPECT_EQ(ngspice::pick_subcircuit(all, "", "f.sub"), "last");
+  EXPECT_EQ(ngspice::pick_subcircuit(all, "FIRST", "f.sub"), "first");
+  EXPECT_THROW(ngspice::pick_subcircuit(all, "three", "f.sub"), InputError);
+  EXPECT_THROW(ngspice::pick_subcircuit(all, "inner", "f.sub"), InputError);
+  auto named = all;
+  named[0].name = "Compensator";
+  EXPECT_EQ(ngspice::pick_subcircuit(named, "", "f.sub"), "Compensator");
+  named[0].pins.push_back("vdd");
+  EXPECT_EQ(ngspice::pick_subcircuit(named, "", "f.sub"), "last");
+  EXPECT_THROW(ngspice::pick_subcircuit({all[1]}, "", "f.sub"), InputError);
+  for (const char* broken : {".subckt\n.ends\n", ".ends\n", ".subckt a in out\n"})
+    EXPECT_THROW(ngspice::list_subcircuits(broken, "f.sub"), InputError) << broken;
 }
 
 TEST(SpiceLibrary, DeviationsAreReadAsTheValues) {

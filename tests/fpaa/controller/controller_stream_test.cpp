@@ -6,6 +6,7 @@
 
 #include "base/files.hpp"
 #include "fpaa/cams/transfer_function.hpp"
+#include "fpaa/controller/branches.hpp"
 #include "fpaa/controller/gains.hpp"
 #include "fpaa/controller/io.hpp"
 #include "fpaa/streams/board_networks.hpp"
@@ -33,6 +34,33 @@ const ControllerVariant& loop_of(const Controller& controller, PolynomialBy by) 
     if (v.by == by && v.structure == ControllerStructure::loop) return v;
   }
   throw std::logic_error("no such variant");
+}
+
+TEST(ControllerWeights, UnitsAreTheBestThereAre) {
+  // Every Cout and every whole number next to what is wanted, tried one by one.
+  const Controller controller = value_or_throw(make_controller(rated_disturbance(), nullptr, nullptr, {}));
+  ControllerCam cam = *loop_of(controller, PolynomialBy::outside).find("AscendingSum");
+  for (const std::vector<double>& weights :
+       {std::vector<double>{1.0, 0.377, -0.61}, {1.0, 200.0, 7.0}, {1.0, -0.02, 0.0}}) {
+    cam.weights = weights;
+    set_weights_first_exact(cam, 255);
+    double least = 1e9;
+    for (int out = 1; out <= 255; ++out) {
+      double sum = 0.0;
+      for (std::size_t i = 1; i < 3; ++i) {
+        double best = weights[i] == 0.0 ? 0.0 : 1e9;
+        for (int in = 1; in <= 255 && weights[i] != 0.0; ++in)
+          best = std::min(best, std::abs(in / static_cast<double>(out) - std::abs(weights[i])));
+        sum += best * best;
+      }
+      least = std::min(least, sum);
+    }
+    double got = 0.0;
+    for (std::size_t i = 1; i < 3; ++i)
+      got += std::pow(cam.realised.required_number("gain_" + std::to_string(i + 1)) - weights[i], 2);
+    EXPECT_NEAR(got, least, 1e-12) << weights[1];
+    EXPECT_DOUBLE_EQ(cam.realised.required_number("gain_1"), 1.0);
+  }
 }
 
 TEST(ControllerStreams, BytesMakeTheWeights) {

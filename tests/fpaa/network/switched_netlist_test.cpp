@@ -93,6 +93,37 @@ TEST(SwitchedNetlist, MistakesAreNamedByLine) {
       std::string::npos);
 }
 
+TEST(SwitchedNetlist, TheOrderOfOpAmpsIsNoMatterOfTheirNoise) {
+  // The first is ideal and the second is not, or the other way round.
+  const std::string rest =
+      ".clock main 1meg\nV1 in 0\nS1 in a main.1\nS2 a n main.2\nC1 a 0 1p\nC2 n x 2p\nS3 n x main.1\n"
+      "C3 x m 1p\nC4 m y 3p\nS4 m y main.1\n.output y\n";
+  const std::string ideal = "O1 0 n x\n", noisy = "O2 0 m y noise=40n gbw=8meg\n";
+  const auto one = SwitchedNetlist::read(rest + ideal + noisy, "a.sc"),
+             other = SwitchedNetlist::read(rest + noisy + ideal, "b.sc");
+  const PeriodicNetworks a = one.networks(300.0), b = other.networks(300.0),
+                         quiet = SwitchedNetlist::read(rest + ideal + "O2 0 m y\n", "c.sc").networks(300.0);
+  for (const double hz : {1e3, 2e5, 9e5}) {
+    const double w = 2.0 * std::numbers::pi * hz, density = a.noise_density({w})[0];
+    EXPECT_NEAR(b.noise_density({w})[0] / density, 1.0, 1e-9);
+    EXPECT_GT(density, 1.05 * quiet.noise_density({w})[0]);
+  }
+}
+
+TEST(SwitchedNetlist, SettledAreTheTimeConstantsOfTheSlowestPhase) {
+  // beta is 1 in one phase and 1/4 in the other, of half a microsecond each: 2 pi gbw beta T.
+  for (const char* phase : {"1", "2"}) {
+    const auto netlist = SwitchedNetlist::read(
+        std::string(
+            ".clock main 1meg\nV1 in 0\nS1 in a main.1\nC1 a n 2p\nC2 n x 2p\nC3 c 0 6p\nS3 n c main.") +
+            phase + "\nS2 n x main.2\nS4 a 0 main.2\nO1 0 n x noise=5n gbw=10meg\n.output x\n",
+        "a.sc");
+    const double settled = netlist.networks(300.0).settled();
+    const double beta = phase[0] == '1' ? 2.0 / 10.0 : 2.0 / 4.0;
+    EXPECT_NEAR(settled, 2.0 * std::numbers::pi * 10e6 * beta * 0.5e-6, 1e-6) << phase;
+  }
+}
+
 /// A switch, a capacitor and a follower: sinc of half a period and the rest as it is, in closed form.
 TEST(SwitchedNetlist, ATrackAndHold) {
   const auto netlist =

@@ -138,6 +138,21 @@ TEST(Engines, PolynomialHysteresisTakesTheBranchOfTheSlope) {
   EXPECT_LT(max_difference(y, simulate(chain, in, cvode()).y), 1e-11);
 }
 
+TEST(Engines, BranchesAfterAFallingCurveAreThoseOfItsOutput) {
+  // 1 - u + .2 u^2 falls while u rises, and its slope is -1 to -.6.
+  const Chain chain{{make_block("polynomial").set("coefficients", std::vector<double>{1.0, -1.0, 0.2}),
+                     make_block("sine_hysteresis").set("A_ascending", 0.1).set("A_descending", -0.08),
+                     make_block("slew_limit").set("rate_per_s", 6.0)}};
+  const auto in = record_of(501, 0.002, triangle);
+  const auto at_slope = simulate(Chain{{chain.blocks[0], chain.blocks[1]}}, in, cvode()).y;
+  for (std::size_t i = 1; i < in.size(); ++i) {
+    const double v = 1.0 - in.u[i] + 0.2 * in.u[i] * in.u[i];
+    EXPECT_NEAR(at_slope[i], v + (in.u[i] > in.u[i - 1] ? -0.08 : 0.1) * std::sin(kPi * v), 1e-11) << i;
+  }
+  // A slew limit follows as long as the slopes on the way stay below it: magnitudes count too.
+  EXPECT_LT(max_difference(simulate(chain, in, cvode()).y, simulate(chain, in, by_record(64)).y), 2e-3);
+}
+
 TEST(Engines, SineHysteresisTakesTheBranchOfTheSlopeLate) {
   for (const double delay_s : {0.0, 0.0073}) {
     const Chain chain{{make_block("sine_hysteresis")

@@ -146,6 +146,7 @@ TEST(Engines, BranchesAfterAFallingCurveAreThoseOfItsOutput) {
   const auto in = record_of(501, 0.002, triangle);
   const auto at_slope = simulate(Chain{{chain.blocks[0], chain.blocks[1]}}, in, cvode()).y;
   for (std::size_t i = 1; i < in.size(); ++i) {
+    if (in.u[i] == in.u[i - 1]) continue;  // the turn lies between, and shows a sample later
     const double v = 1.0 - in.u[i] + 0.2 * in.u[i] * in.u[i];
     EXPECT_NEAR(at_slope[i], v + (in.u[i] > in.u[i - 1] ? -0.08 : 0.1) * std::sin(kPi * v), 1e-11) << i;
   }

@@ -360,6 +360,30 @@ TEST(Yield, DeviationsFromSectionsHaveTheDesignedErrorInThem) {
   EXPECT_NEAR(run_monte_carlo(design, options, Team()).worst_percent.max, 100.0 * (1.0 - 0.1 / 0.11), 0.05);
 }
 
+TEST(Yield, TheIntervalOfAShareIsWilsons) {
+  // Its ends p are where the share is 1.96 standard deviations of p away.
+  const Design design = seed_design();
+  Options options = small(64);
+  options.limit_db = 0.5;
+  Result result = run_monte_carlo(design, options, Team());
+  for (const std::uint64_t within : {0U, 1U, 20U, 63U, 64U}) {
+    result.within = within;
+    const Json json = to_json(result, options)["yield"];
+    const double share = static_cast<double>(within) / 64.0;
+    EXPECT_DOUBLE_EQ(json["percent"].get<double>(), 100.0 * share);
+    for (const char* end : {"percent_low", "percent_high"}) {
+      const double p = json[end].get<double>() / 100.0;
+      EXPECT_GE(p, 0.0);
+      EXPECT_LE(p, 1.0);
+      EXPECT_NEAR(64.0 * (share - p) * (share - p), 1.959964 * 1.959964 * p * (1.0 - p), 1e-5)
+          << within << end;
+    }
+    EXPECT_LT(json["percent_low"].get<double>(), json["percent_high"].get<double>());
+    EXPECT_DOUBLE_EQ(json["limit_db"].get<double>(), 0.5);
+    EXPECT_FALSE(json.contains("limit_deg"));
+  }
+}
+
 TEST(Yield, RefusesNonsense) {
   Options options = small(0);
   EXPECT_THROW(run_monte_carlo(seed_design(), options, Team()), InputError);

@@ -78,12 +78,15 @@ SlopeMeterGains SlopeMeterGains::of(const DisturbanceCircuit& c, const Deviation
   out.direct = feedback / off.value(c, m.direct);
   out.half = feedback / off.value(c, m.half);
   out.full_offset = off.offset(m.full_wave_opamp) * (1.0 + out.direct + out.half);
+  const double towards = off.value(c, m.half), own = off.value(c, m.half_wave_feedback);
+  out.half_rest =
+      (off.offset(m.half_wave_opamp) * towards + off.offset(m.full_wave_opamp) * own) / (towards + own);
   out.smoothing_s = off.value(c, m.smoothing) * feedback;
   return out;
 }
 
 double SlopeMeterGains::output_v(double slope) const {
-  const double w = -volts * slope + offset, rectified = std::max(0.0, -w * half_gain + half_offset);
+  const double w = -volts * slope + offset, rectified = std::max(half_rest, -w * half_gain + half_offset);
   return -(w * direct + rectified * half) + full_offset;
 }
 

@@ -11,6 +11,8 @@ struct SlopeMeterGains {
   double offset = 0.0;
   double lag1_s = 0.0, lag2_s = 0.0, smoothing_s = 0.0;
   double half_gain = 1.0, half_offset = 0.0;
+  double half_rest =
+      0.0;  ///< of the half wave while its diode is open: between its own op-amp's offset and the next one's
   double direct = 1.0, half = 2.0, full_offset = 0.0;
 
   static SlopeMeterGains of(const DisturbanceCircuit& controller, const Deviations& off);

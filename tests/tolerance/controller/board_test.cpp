@@ -83,6 +83,31 @@ TEST(Board, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
   EXPECT_LT(worst, 1e-12);
 }
 
+TEST(Board, TheSlopeMeterAtRestIsItsNetlist) {
+  const generator::DisturbanceCircuit& c = tight_controller();
+  const schematic::Netlist meter = schematic::subset(
+      c, [&](std::size_t group) { return c.purpose_of(group) == schematic::Purpose::slope_meter; });
+  const std::vector<Cause> causes = causes_of(c, {});
+  const schematic::RestOrder order(meter, {"r"});
+  int conducts = 0, blocks = 0;
+  for (std::uint64_t draw = 0; draw < 40; ++draw) {
+    const Copy copy = copy_of(c, causes, draw_values(causes, 3, draw));
+    const auto gains = generator::SlopeMeterGains::of(c, copy.off);
+    const double volts = gains.output_v(0.0);
+    schematic::RestPoint rest(order, copy.off.of_part(meter, c));
+    rest.set(order.node("r"), 0.4);
+    rest.settle(0);
+    // Ideal diodes conduct both where the half wave is below its own op-amp's offset, where real ones have half a volt between
+    // them.
+    const double driven = gains.half_offset - gains.half_gain * gains.offset;
+    if (std::max(driven, gains.half_rest) < gains.half_offset / (1.0 + gains.half_gain)) continue;
+    EXPECT_NEAR(rest.volts("sn"), volts, 1e-12) << draw;
+    ++(driven > gains.half_rest ? conducts : blocks);
+  }
+  EXPECT_GT(conducts, 5);
+  EXPECT_GT(blocks, 5);
+}
+
 /// v over one repeat, every voltage worked out from the netlist at rest again at every sample; the slope of what the
 /// generator makes by differences. Delays as first order in the slopes, each amplifier's its noise gain over 2 pi GBW.
 class SlowDrive {

@@ -28,11 +28,12 @@ Block called(Block block, const char* name) {
   return block;
 }
 
-/// `alpha`: the stroke for which amplitude gains stand.
+/// `stroke`: for which amplitude gains stand, where there are some.
 Block loop_of(const generator::DisturbanceCircuit& controller, const Disturbance& disturbance,
-              Hertz operating, const schematic::Deviations& off, double alpha = 1.0) {
+              Hertz operating, const schematic::Deviations& off, double stroke = 1.0) {
   generator::BuiltGenerator built(controller, off);
-  if (controller.stroke) built.set_stroke(alpha);
+  const double alpha = controller.stroke ? stroke : 1.0;
+  built.set_stroke(alpha);
   const std::vector<double> frequency = hertz_values(disturbance.rate.frequency);
   Block out = make_block("loop");
   for (const auto& [which, list, constant, rates] :

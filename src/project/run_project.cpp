@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -13,6 +15,7 @@
 #include "project/stages.hpp"
 #include "project/tracking/engines.hpp"
 #include "project/tracking/follow_designs.hpp"
+#include "project/tracking/tracked_plant.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 
 namespace bodesmith::project {
@@ -82,6 +85,7 @@ Run run_project(const ProjectSource& source, const fs::path& folder) {
   AnalogControllerMade analog;
   ControllersTracked controllers;
   std::vector<TrackedCandidate> candidates;
+  std::vector<std::string> unsettled;
   tracking::Report followed;
   CircuitTracked circuit;
   std::vector<BoardsInTime> boards(2);
@@ -117,6 +121,7 @@ Run run_project(const ProjectSource& source, const fs::path& folder) {
     add_controller(analog, run.design);
     run.budget = make_budget(project, run.design);
     candidates = tracked_candidates(project, run.design);
+    unsettled = take_out_unsettled(tracking_plant(project), tracking_options(project), candidates);
     progress.at(0.3, 0.9, "tracking");
   });
   const auto files =
@@ -144,8 +149,8 @@ Run run_project(const ProjectSource& source, const fs::path& folder) {
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,
                                   std::move(elsewhere));
     run.tracking.engines = engine_rows(run.tracking, followed, circuit, boards);
-    for (std::string& warning : engine_warnings(run.tracking.engines))
-      run.tracking.findings.push_back(std::move(warning));
+    std::ranges::copy(unsettled, std::back_inserter(run.tracking.findings));
+    std::ranges::copy(engine_warnings(run.tracking.engines), std::back_inserter(run.tracking.findings));
     run.tracking.compute_s = tracking_watch.seconds();
   });
   stages.add({files, ngspice, studies, study}, [&] {

@@ -92,6 +92,29 @@ TEST(InTime, ASineThroughOpAmpsIsTheirResponse) {
   }
 }
 
+/// Op-amps of ten degrees of phase margin, one behind the other: formulas of order three and more took steps of half a microsecond
+/// over all of a slow ramp.
+TEST(InTime, OpAmpsThatHardlyDampTheirLoadsDoNotHoldItUp) {
+  Netlist chain;
+  chain.parts = {
+      ohms("R11", "in", "m1", 110e3),    farads("C11", "in", "m1", 150e-9), farads("C31", "in", "m1", 22e-9),
+      ohms("R21", "m1", "a", 62e3),      farads("C21", "m1", "a", 220e-9),  ohms("R12", "a", "m2", 270e3),
+      ohms("Rs2", "a", "c2", 10.0),      farads("C12", "c2", "m2", 33e-9),  ohms("R22", "m2", "b", 430e3),
+      farads("C22", "m2", "b", 33e-9),   ohms("R13", "b", "m3", 1.6e6),     ohms("Rs3", "b", "c3", 10.0),
+      farads("C13", "c3", "m3", 3.9e-9), ohms("R23", "m3", "d", 1.5e6),     farads("C23", "m3", "d", 3.3e-9),
+      ohms("R14", "d", "m4", 1.1e6),     ohms("Rs4", "d", "c4", 10.0),      farads("C14", "c4", "m4", 120e-9),
+      ohms("R24", "m4", "out", 1.3e6),   farads("C24", "m4", "out", 100e-9)};
+  chain.opamps = {{"U1", "", 0, "0", "m1", "a"},
+                  {"U2", "", 0, "0", "m2", "b"},
+                  {"U3", "", 0, "0", "m3", "d"},
+                  {"U4", "", 0, "0", "m4", "out"}};
+  InTime run(chain, [](double t) { return 12.0 * t; });
+  run.begin(0.0);
+  int steps = 0;
+  run.run_to(83.17e-3, [&](double, double) { ++steps; });
+  EXPECT_LT(steps, 20'000);
+}
+
 TEST(InTime, AnOpAmpSlewsAtItsRate) {
   Netlist follower;
   follower.parts = {ohms("Rl", "out", "0", 1e6)};

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <map>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 #include "project/tracking/tracked_plant.hpp"
 #include "schematic/ngspice/ngspice.hpp"
@@ -64,12 +65,13 @@ EngineRow circuit_row(const TrackingStudy& study, const TrackedDesign& design,
   for (const Hertz f : study.frequency) {
     if (const auto& check = followed.find(f, design.name)->check)
       raise(out.agreement_percent, check->difference_percent);
-    const tracking::Case& harmonic = *circuit.by_parts.find(f, design.name);
-    raise(out.closed_form_percent, harmonic.rms_percent_without_lag);
+    const tracking::Case* harmonic = circuit.by_parts.find(f, design.name);
+    if (harmonic == nullptr) continue;
+    raise(out.closed_form_percent, harmonic->rms_percent_without_lag);
     const tracking::Case* ngspice = circuit.by_ngspice.find(f, design.name);
     if (ngspice == nullptr) continue;
     raise(out.ngspice_percent, ngspice->rms_percent_without_lag);
-    raise(out.agreement_percent, error_figures(ngspice->displacement, harmonic.displacement).rms_percent);
+    raise(out.agreement_percent, error_figures(ngspice->displacement, harmonic->displacement).rms_percent);
   }
   return out;
 }
@@ -102,8 +104,12 @@ CircuitTracked track_circuit(const Project& project, const Design& design,
     if (!at.empty())
       by_ngspice.push_back(compensated_design(project, one.design.name, simulated, one.design.form));
   }
-  out.by_parts = tracking::track(plant, by_parts, options);
-  if (!by_ngspice.empty()) out.by_ngspice = tracking::track(plant, by_ngspice, options);
+  try {
+    out.by_parts = tracking::track(plant, by_parts, options);
+    if (!by_ngspice.empty()) out.by_ngspice = tracking::track(plant, by_ngspice, options);
+  } catch (const DesignError& error) {  // with fewer harmonics than the designs are followed with
+    out.missing = error.what();
+  }
   return out;
 }
 
@@ -121,7 +127,8 @@ std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::R
   if (const TrackedDesign* built = best_of(study, {tracked::circuit, tracked::self_fed_circuit}))
     out.push_back(circuit_row(study, *built, followed, circuit));
   for (EngineRow& one : out) {
-    if (!one.ngspice_percent) one.missing = "ngspice is not installed";
+    if (!one.ngspice_percent)
+      one.missing = ngspice::is_available() ? circuit.missing : "ngspice is not installed";
   }
   for (const BoardsInTime& board : boards) {
     const TrackedDesign* built = study.find(board.key);

@@ -11,6 +11,7 @@ namespace bodesmith::project {
 struct CircuitTracked {
   tracking::Report by_parts;    ///< by the response of its parts and op-amps; empty without a circuit
   tracking::Report by_ngspice;  ///< by the response that ngspice finds of its netlist; empty without ngspice
+  std::string missing;          ///< why there is neither
 };
 CircuitTracked track_circuit(const Project& project, const Design& design,
                              const std::vector<TrackedCandidate>& candidates);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "project/tracking/tracked_plant.hpp"
@@ -138,6 +139,23 @@ std::vector<TrackedCandidate> tracked_candidates(const Project& project, const D
   if (design.plan)
     add(tracked::self_fed_fpaa, "self-fed, FPAA with holds", plan_compensator(*design.plan, true), loop);
   add_circuit(tracked::self_fed_circuit, "self-fed, ", loop, {});
+  return out;
+}
+
+std::vector<std::string> take_out_unsettled(const tracking::Plant& plant, tracking::Options options,
+                                            std::vector<TrackedCandidate>& candidates) {
+  options.time_domain = false;
+  std::vector<std::string> out;
+  std::erase_if(candidates, [&](const TrackedCandidate& one) {
+    if (!one.design.form.is_self_fed()) return false;
+    try {
+      tracking::track(plant, {one.design}, options);
+      return false;
+    } catch (const DesignError& error) {
+      out.push_back(fmt::format("Not tracked: {}.", error.what()));
+      return true;
+    }
+  });
   return out;
 }
 

@@ -25,6 +25,10 @@ struct TrackedCandidate {
 /// designed and as built, and with gains by the known frequency, by the measured slope, and alongside the filter.
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design);
 
+/// Takes out those whose generator, fed by its own drive, does not settle at one of the frequencies; returns why, one sentence each.
+std::vector<std::string> take_out_unsettled(const tracking::Plant& plant, tracking::Options options,
+                                            std::vector<TrackedCandidate>& candidates);
+
 /// What became of it.
 TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vector<Hertz>& frequencies,
                              const tracking::Report& report);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/progress.hpp"
 #include "hysteresis/model_type.hpp"
 #include "numeric/parallel_for.hpp"
@@ -42,13 +44,22 @@ TrackedElsewhere followed(const Project& project, const ElsewhereTask& task,
   options.alpha = out.amplitude;
   options.time_domain = false;
   options.harmonics = 2048;
-  std::vector<tracking::Design> designs;
-  for (const TrackedCandidate& candidate : candidates)
-    if (followed_elsewhere(candidate)) designs.push_back(candidate.design);
-  const tracking::Report report = tracking::track(plant, designs, options);
-  for (const TrackedCandidate& candidate : candidates) {
-    if (!followed_elsewhere(candidate)) continue;
-    out.designs.push_back(tracked_design(candidate, options.frequencies, report));
+  std::vector<TrackedCandidate> those;
+  std::ranges::copy_if(candidates, std::back_inserter(those), followed_elsewhere);
+  const auto report_of = [&] {
+    std::vector<tracking::Design> designs;
+    for (const TrackedCandidate& one : those) designs.push_back(one.design);
+    return tracking::track(plant, designs, options);
+  };
+  tracking::Report report;
+  try {
+    report = report_of();
+  } catch (const DesignError&) {  // along this reference some loop does not settle
+    take_out_unsettled(plant, options, those);
+    report = report_of();
+  }
+  for (const TrackedCandidate& one : those) {
+    out.designs.push_back(tracked_design(one, options.frequencies, report));
     out.designs.back().built = false;  // what is built is told where it is chosen
   }
   if (task.identified != nullptr) {

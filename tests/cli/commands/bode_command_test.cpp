@@ -186,6 +186,8 @@ TEST_F(BodeCommand, PicturesShowWhatTheyAreAskedFor) {
     EXPECT_THAT(read_file(at("p.svg")), Not(HasSubstr("Difference"))) << files;
   }
   EXPECT_THAT(said("gains.csv -o o.csv --svg p.svg"), HasSubstr("gains has no phase_deg: magnitude only"));
+  EXPECT_THAT(read_file(at("p.svg")), Not(HasSubstr("Phase")));
+  EXPECT_THAT(bode, HasSubstr("Phase"));
 }
 
 }  // namespace

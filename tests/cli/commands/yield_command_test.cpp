@@ -88,6 +88,13 @@ TEST(YieldCommand, ComparesDesignsAndKeepsTheLimit) {
                                           " --samples 5000 --limit-db 0.01 --min-yield-percent 99 --json");
   EXPECT_EQ(run.status, 1) << run.err;
   EXPECT_EQ(parse_json(run.out, "stdout").at("designs").size(), 2u);
+  // What to buy is said where something on the list is good enough.
+  const auto said = [&](const std::string& limit) {
+    return run_bodesmith("yield " + file + " --samples 100 --count 5 --limit-db " + limit).out;
+  };
+  EXPECT_NE(said("3").find("to keep 95 % within 3 dB, buy "), std::string::npos);
+  EXPECT_NE(said("1e-6").find("no tolerance on the list keeps 95 % of the circuits within 1e-06 dB"),
+            std::string::npos);
 }
 
 TEST(YieldCommand, BadInputIsOneLine) {

@@ -76,7 +76,16 @@ TEST(MeasuredFit, FindsOrderDelayAndRootsWithinTheirDeviations) {
                                    [](const MeasuredFit::Root& zero) { return zero.frequency.value < 0.0; });
   EXPECT_EQ(right, 1);
   EXPECT_NEAR(fit.rms_noise, 1.0, 0.3);
-  EXPECT_FALSE(fit.orders.empty());
+  ASSERT_FALSE(fit.orders.empty());
+  // Three digits of what each order leaves: further ones are the compiler's.
+  const Json told = fit.report_json()["orders"];
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const double held_out = told[i]["held_out"];
+    EXPECT_NEAR(held_out / fit.orders[i].held_out, 1.0, 5e-3);
+    EXPECT_EQ(rounded_text(held_out, 3), rounded_text(held_out, 12));
+    EXPECT_NEAR(told[i]["standard_errors_above_best"].get<double>(), fit.orders[i].against_best,
+                5e-3 * fit.orders[i].against_best);
+  }
 }
 
 /// Roots, delay and their deviations go with the unit of time and the gain with that of the output; all else stays, words too. The

@@ -123,7 +123,7 @@ Json MeasuredFit::report_json() const {
               {"zeros", roots_report(zeros)},
               {"orders", Json::array()},
               {"warnings", warnings}};
-  // What an order too many leaves hangs on where its fit, which is ill posed, happens to end: from the fourth digit on another
+  // What an order too many leaves depends on where its fit, which is ill posed, happens to end: from the fourth digit on another
   // compiler finds another figure, and their scatter is far larger.
   const auto told = [](double value) {
     parse_number(fmt::format("{:.3g}", value), value);

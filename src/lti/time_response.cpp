@@ -21,7 +21,7 @@ Eigen::MatrixXd propagator(const StateSpace& system, double step) {
   return matrix_exponential(m);
 }
 
-/// Figures of the step that do not hang on which times were asked for: on a grid of their own, and exact between its times.
+/// Figures of the step that do not depend on which times were asked for: on a grid of their own, and exact between its times.
 std::optional<TimeResponse::Figures> figures_of(const Sections& sections, const StateSpace& system) {
   const double final_value = sections.dc_gain();
   if (!std::isfinite(final_value) || final_value == 0.0) return std::nullopt;

@@ -72,7 +72,11 @@ Project::Track read_track(const Node& node) {
       track.amplitudes.push_back(amplitude);
     }
   }
-  for (const Node& item : node.at("frequency_hz").items()) track.frequency.push_back(Hertz{item.positive()});
+  for (const Node& item : node.at("frequency_hz").items()) {
+    track.frequency.push_back(Hertz{item.positive()});
+    if (track.frequency.back().value < 1e-6 || track.frequency.back().value > 1e9)
+      item.fail("is not within 1e-6 to 1e9");
+  }
   if (track.frequency.empty()) node.at("frequency_hz").fail("is empty, expected at least one frequency");
   if (node.has("measured_percent")) {
     track.measured_percent = node.at("measured_percent").numbers();

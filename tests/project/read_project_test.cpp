@@ -144,6 +144,10 @@ TEST(ReadProject, WhatTheStageCannotDoIsSaidAtItsAmplitude) {
   EXPECT_TRUE(says(with("", "measured_percent = [1, 2, 3]\n"), "expected one for each of the 2 tracked"));
   EXPECT_TRUE(says(kStage + "[plant]\nstroke_m = 1\n[track]\nfrequency_hz = []\n",
                    "expected at least one frequency"));
+  for (const char* hz : {"1e308", "1.1e9", "0.9e-6"})
+    EXPECT_TRUE(says(kStage + "[plant]\nstroke_m = 1\n[track]\nfrequency_hz = [1, " + hz + "]\n",
+                     "is not within 1e-6 to 1e9"))
+        << hz;
   // v + K d(v) = r: falling by .16 of the stroke at most, the drive goes beyond the stroke where d is below 0.
   EXPECT_EQ(said_of(with("drive_range = [-1.0, 2.0]\n", "amplitude = 1.0\n")), "read");
   EXPECT_TRUE(says(with("drive_range = [0.0, 0.9]\n", "amplitude = [0.5, 1.0]\n"),

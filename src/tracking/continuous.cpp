@@ -170,8 +170,15 @@ void RepeatRun::sample_piece(CvodeSolver& solver, std::size_t piece, std::vector
   while (t < stop) {
     solver.start(t, x.data(), stop);
     auto outcome = CvodeSolver::Outcome::stepped;
-    while (outcome == CvodeSolver::Outcome::stepped) {
+    bool turned = false;
+    while (outcome == CvodeSolver::Outcome::stepped && !turned) {
       outcome = solver.step();
+      // Two crossings within a step are none to the solver: just behind an event the drive may turn again.
+      if (stage_.reads_drive() && outcome == CvodeSolver::Outcome::stepped) {
+        const double slope = evaluate(solver.time(), solver.state(), rates_.data()).drive_slope;
+        turned = slope != 0.0 && (slope > 0.0) != stage_.drive_rises();
+        if (turned) stage_.turn_drive(slope > 0.0);
+      }
       for (; sample_ < out.size(); ++sample_) {
         const double when = repeat * static_cast<double>(sample_) / static_cast<double>(out.size());
         if (when > solver.time() || (when >= stop && !last)) break;

@@ -5,18 +5,44 @@
 namespace bodesmith::tracking {
 namespace {
 
-std::optional<StateSpace> time_domain_of(const Compensator& c) {
+/// Roots so far above a repeat's frequency (rad/s times s) count for their value at rest: a state is known to the solver's tolerance, the
+/// slope of the drive to that times its pole, which for the resistors that isolate an op-amp's output (4.5e7 rad/s) at a hertz is more
+/// than the drive's own. A lag of a hundred-thousandth of a repeat is left out.
+constexpr double kFarAbove = 1e5;
+
+Sections without_far_roots(Sections sections, double repeat_s) {
+  for (Section& section : sections.sections) {
+    const auto is_far = [repeat_s](const Complex& root) { return std::abs(root) * repeat_s > kFarAbove; };
+    Section slow = section;
+    Complex gain = section.gain;
+    for (const Complex& zero : section.zeros) {
+      if (is_far(zero)) gain *= -zero;
+    }
+    for (const Complex& pole : section.poles) {
+      if (is_far(pole)) gain /= -pole;
+    }
+    std::erase_if(slow.zeros, is_far);
+    std::erase_if(slow.poles, is_far);
+    if (slow.zeros.size() > slow.poles.size()) continue;
+    slow.gain = gain.real();
+    section = std::move(slow);
+  }
+  return sections;
+}
+
+std::optional<StateSpace> time_domain_of(const Compensator& c, double repeat_s) {
   if (std::holds_alternative<Uncompensated>(c)) return gain_system(0.0);
   if (std::holds_alternative<SlopeGain>(c)) return gain_system(1.0);
   if (const auto* constant = std::get_if<ConstantGain>(&c)) return gain_system(constant->gain);
-  if (const auto* sections = std::get_if<Sections>(&c)) return state_space(*sections);
+  if (const auto* sections = std::get_if<Sections>(&c))
+    return state_space(without_far_roots(*sections, repeat_s));
   if (const auto* sum = std::get_if<FilterAndSchedule>(&c)) {
-    StateSpace out = state_space(sum->filter);
+    StateSpace out = state_space(without_far_roots(sum->filter, repeat_s));
     out.d += sum->schedule.gain.front();
     return out;
   }
   if (const auto* response = std::get_if<ResponseCompensator>(&c)) {
-    if (response->approximation) return state_space(*response->approximation);
+    if (response->approximation) return state_space(without_far_roots(*response->approximation, repeat_s));
   }
   return std::nullopt;
 }
@@ -57,7 +83,7 @@ std::optional<DrivenStage> DrivenStage::of(const Plant& plant, const Design& des
   out.detectors_ = out.blocks_.size();
   for (std::size_t pass = 0; pass < out.passes_; ++pass) {
     for (const Compensator* compensator : both) {
-      auto system = time_domain_of(*compensator);
+      auto system = time_domain_of(*compensator, out.repeat_s_);
       if (!system) return std::nullopt;
       out.blocks_.push_back(std::move(*system));
     }

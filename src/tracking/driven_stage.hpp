@@ -28,6 +28,7 @@ class DrivenStage {
   void enter_piece(std::size_t piece) { piece_ = piece; }
   /// The branch of a stage that reads its drive.
   void turn_drive(bool rising) { drive_rising_ = rising; }
+  bool drive_rises() const { return drive_rising_; }
   bool reads_drive() const { return on_drive_; }
 
   struct Outputs {

@@ -65,9 +65,9 @@ Answer plan_board(const Call& call) {
   Answer out;
   const Sections sections = rational_part(Sections::from_node(o.at("sections")), out.warnings);
   const fpaa::PlanOptions options = plan_options(o);
-  fpaa::OpAmpModel opamp;
+  schematic::OpAmpModel opamp = fpaa::default_opamp();
   opamp.gain_bandwidth = Hertz{positive_or(o, "opamp_bandwidth_hz", opamp.gain_bandwidth.value)};
-  opamp.gain = positive_or(o, "opamp_gain", opamp.gain);
+  opamp.dc_gain = positive_or(o, "opamp_gain", opamp.dc_gain);
   const Stopwatch watch;
   const fpaa::Plan plan = value_or_throw(fpaa::make_plan(sections, options));
   const double seconds = watch.seconds();

@@ -149,15 +149,15 @@ fpaa::MismatchModel read_mismatch(const CommandLine& line) {
 }
 
 void add_opamp_options(CommandLine& line) {
-  const fpaa::OpAmpModel opamp;
+  const schematic::OpAmpModel opamp = fpaa::default_opamp();
   line.option<double>("opamp-bandwidth-hz",
                       "an assumption, for settling: gain-bandwidth product of an op-amp",
                       opamp.gain_bandwidth.value);
-  line.option<double>("opamp-gain", "an assumption: gain of an op-amp at DC", opamp.gain);
+  line.option<double>("opamp-gain", "an assumption: gain of an op-amp at DC", opamp.dc_gain);
 }
 
-fpaa::OpAmpModel read_opamp_model(const CommandLine& line) {
-  return {{line.positive("opamp-bandwidth-hz")}, line.positive("opamp-gain")};
+schematic::OpAmpModel read_opamp_model(const CommandLine& line) {
+  return schematic::OpAmpModel::one_pole({line.positive("opamp-bandwidth-hz")}, line.positive("opamp-gain"));
 }
 
 void add_noise_options(CommandLine& line) {

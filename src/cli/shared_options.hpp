@@ -40,7 +40,7 @@ fpaa::MismatchModel read_mismatch(const CommandLine& line);
 
 /// --opamp-bandwidth-hz and --opamp-gain.
 void add_opamp_options(CommandLine& line);
-fpaa::OpAmpModel read_opamp_model(const CommandLine& line);
+schematic::OpAmpModel read_opamp_model(const CommandLine& line);
 
 /// --unit-capacitance-f and --noise-temperature-k.
 void add_noise_options(CommandLine& line);

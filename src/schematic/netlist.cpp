@@ -24,6 +24,25 @@ OpAmpModel OpAmpModel::ideal() {
   return out;
 }
 
+OpAmpModel OpAmpModel::one_pole(Hertz gain_bandwidth, double dc_gain) {
+  OpAmpModel out = ideal();
+  out.name = "of one pole";
+  out.is_ideal = false;
+  out.gain_bandwidth = gain_bandwidth;
+  out.dc_gain = dc_gain;
+  out.slew_v_per_s = out.swing_v = INFINITY;
+  return out;
+}
+
+SwitchModel SwitchModel::plain(double on_ohm, double off_siemens) {
+  SwitchModel out;
+  out.name = "plain";
+  out.on_ohm = on_ohm;
+  out.off_siemens = off_siemens;
+  out.on_delay_s = out.gap_s = out.charge_c = out.source_f = out.drain_f = 0.0;
+  return out;
+}
+
 SwitchModel SwitchModel::for_branches(std::size_t count) {
   SwitchModel out;
   if (count <= 2) return out;

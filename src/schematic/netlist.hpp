@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ struct OpAmpModel {
 
   /// The type "ideal".
   static OpAmpModel ideal();
+  /// One pole and nothing else: no limits, no output resistance, no noise.
+  static OpAmpModel one_pole(Hertz gain_bandwidth, double dc_gain);
+  bool has_limits() const { return std::isfinite(slew_v_per_s); }
 
   Complex open_loop(RadPerSecond w) const;
 };
@@ -49,6 +53,9 @@ struct SwitchModel {
   double source_f = 9e-12;     ///< each contact against ground
   double drain_f = 9e-12;      ///< each contact's share of the common node
 
+  /// Resistances alone: on_siemens + off_siemens at a control of 1 V, no delay and no charge.
+  static SwitchModel plain(double on_ohm, double off_siemens);
+  bool is_plain() const { return on_delay_s == 0.0; }
   /// Two contacts of an ADG413 for one or two branches; an ADG408 (8-way) for more.
   static SwitchModel for_branches(std::size_t count);
   /// Of a closed contact; a milliohm at least.
@@ -118,7 +125,7 @@ struct OpAmp {
   std::string plus;
   std::string minus;
   std::string out;
-  bool fast = false;  ///< of Netlist::fast_opamp's type
+  std::size_t type = 0;  ///< 0: Netlist::opamp; 1, 2, …: of Netlist::other_opamps
 };
 
 /// An analog multiplier of the AD835's kind: W = X Y/U + Z.
@@ -174,6 +181,25 @@ struct Gate {
   bool never = false;
 };
 
+/// One phase of a clock: 1 V at `node` from t = 0 (phase 1) or from half a period (phase 2) on, for half a period less `gap`
+/// of a period, over and over; 0 V in between.
+struct ClockPhase {
+  std::string name;
+  std::string node;
+  Hertz frequency;
+  int phase = 1;
+  double gap = 0.0;
+  std::size_t group = 0;
+};
+
+/// A voltage to ground that other voltages make, as SPICE's B source says it; no analysis of this program knows it.
+struct Expression {
+  std::string name;
+  std::string node;
+  std::string volts;
+  std::size_t group = 0;
+};
+
 /// A subcircuit of a library in its place.
 struct Instance {
   std::string name;
@@ -201,16 +227,20 @@ struct Netlist {
   std::vector<Source> sources;
   std::vector<Comparator> comparators;
   std::vector<Gate> gates;
+  std::vector<ClockPhase> clock_phases;
+  std::vector<Expression> expressions;
   std::vector<Instance> instances;
-  OpAmpModel opamp;       ///< of every op-amp but the fast ones
-  OpAmpModel fast_opamp;  ///< of the slope's sign
+  OpAmpModel opamp;
+  std::vector<OpAmpModel> other_opamps;
   MultiplierModel multiplier;
   SwitchModel analog_switch;
   DiodeModel diode;
 
   const Part& part(int index) const { return parts[static_cast<std::size_t>(index)]; }
   const Part* part_named(const std::string& name) const;
-  const OpAmpModel& model_of(const OpAmp& one) const { return one.fast ? fast_opamp : opamp; }
+  const OpAmpModel& model_of(const OpAmp& one) const {
+    return one.type == 0 ? opamp : other_opamps[one.type - 1];
+  }
   Purpose purpose_of(std::size_t group) const { return groups[group].purpose; }
 };
 
@@ -236,7 +266,8 @@ void for_each_element(Netlist& netlist, Each each) {
     for (auto& one : list) each(one);
   };
   all(netlist.parts), all(netlist.opamps), all(netlist.multipliers), all(netlist.contacts);
-  all(netlist.sources), all(netlist.comparators), all(netlist.gates), all(netlist.instances);
+  all(netlist.sources), all(netlist.comparators), all(netlist.gates), all(netlist.clock_phases);
+  all(netlist.expressions), all(netlist.instances);
 }
 
 /// Puts the groups into another order: `before(a, b)` of their purposes; groups of one rank keep theirs.

@@ -75,11 +75,12 @@ TEST(InTime, ASineThroughOpAmpsIsTheirResponse) {
       Netlist n;
       n.parts = {ohms("R1", "in", "m", 1e3), ohms("R2", "m", "a", 5e3), farads("C1", "a", "0", 2e-9),
                  ohms("R3", "out", "0", 1e4)};
-      n.opamps = {{"U1", "", 0, "0", "m", "a"}, {"U2", "", 0, "a", "out", "out", true}};
+      n.opamps = {{"U1", "", 0, "0", "m", "a"}, {"U2", "", 0, "a", "out", "out", 1}};
       n.opamp.gain_bandwidth = Hertz{hz};
       n.opamp.output_resistance_ohm = ohm;
-      n.fast_opamp.gain_bandwidth = Hertz{3.0 * hz};
-      n.fast_opamp.output_resistance_ohm = 2.0 * ohm;
+      n.other_opamps.resize(1);
+      n.other_opamps[0].gain_bandwidth = Hertz{3.0 * hz};
+      n.other_opamps[0].output_resistance_ohm = 2.0 * ohm;
       const double w = 2.0 * M_PI * 2e4;
       InTime run(n, [w](double t) { return 0.01 * std::sin(w * t); });
       run.begin(0.0);
@@ -354,15 +355,15 @@ Netlist of_everything() {
   n.groups = {{"stage 1", Purpose::stage}};
   n.parts = {ohms("R1", "in", "m", 4.7e3), farads("C1", "m", "out", 2.2e-9), diode("D1", "out", "d"),
              ohms("R2", "d", "0", 1e4)};
-  n.opamps = {{"U1", "", 0, "0", "m", "out"}, {"U2", "", 0, "d", "e", "e", true}};
+  n.opamps = {{"U1", "", 0, "0", "m", "out"}, {"U2", "", 0, "d", "e", "e", 1}};
   n.multipliers = {{"M1", "", 0, "out", "v", "0", "w", 0.0}};
   n.contacts = {{"S1", 0, "w", "so", "up", 0}, {"S2", 0, "out", "so", "down", 1}};
   n.sources = {{"V1", "", "v", 0.25}};
   n.comparators = {{0, "e", "up", 1e4, 0.1}};
   n.gates = {{0, "down", {}, {"up"}}};
   n.parts.push_back(ohms("R3", "so", "0", 1e5));
-  n.fast_opamp.name = "fast";
-  n.fast_opamp.gain_bandwidth = Hertz{145e6};
+  n.other_opamps.emplace_back().name = "fast";
+  n.other_opamps[0].gain_bandwidth = Hertz{145e6};
   return n;
 }
 
@@ -388,8 +389,8 @@ TEST(SpiceLibrary, ReadBackItIsTheSameCircuitAndTheSameBytes) {
     EXPECT_NEAR(named[part.name]->realised, part.realised, 1e-12 * part.realised);
   }
   EXPECT_EQ(back.opamps.size(), 2u);
-  EXPECT_EQ(back.opamps[1].fast, true);
-  EXPECT_NEAR(back.fast_opamp.gain_bandwidth.value, 145e6, 1.0);
+  EXPECT_EQ(back.opamps[1].type, 1u);
+  EXPECT_NEAR(back.other_opamps.at(0).gain_bandwidth.value, 145e6, 1.0);
   ASSERT_EQ(back.comparators.size(), 1u);
   EXPECT_NEAR(back.comparators[0].threshold_v, 0.1, 1e-12);
   EXPECT_NEAR(back.comparators[0].gain, 1e4, 1e-6);

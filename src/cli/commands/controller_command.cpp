@@ -90,8 +90,9 @@ std::string built_summary(const generator::DisturbanceCircuit& built) {
       "{}: {} multipliers ({}), {} op-amps ({}, slope detector {}), {} resistors, capacitors and diodes\n"
       "parts and gain curve: K d within {} % of range; loop gain at most {}, drive up to {} V\n",
       to_string(built.form), built.multipliers.size(), built.multiplier.name, built.opamps.size(),
-      built.opamp.name, built.fast_opamp.name, built.parts.size(), rounded_text(built.max_error_percent, 3),
-      rounded_text(built.loop.greatest_gain, 3), rounded_text(built.loop.greatest_drive, 4));
+      built.opamp.name, built.other_opamps.at(0).name, built.parts.size(),
+      rounded_text(built.max_error_percent, 3), rounded_text(built.loop.greatest_gain, 3),
+      rounded_text(built.loop.greatest_drive, 4));
   if (built.curve) {
     text += fmt::format("rate gains from the slope: {} straight pieces, held at {} Hz above\n",
                         built.curve->corner.size() - 1, rounded_text(built.curve->corner.back().value));

@@ -35,7 +35,7 @@ constexpr double kSettled = 5.0;
 
 Band sc_band(const CommandLine& line, const fpaa::SwitchedNetlist& netlist) {
   Band band{{INFINITY}, {0.0}};
-  for (const Hertz f : netlist.frequencies) {
+  for (const Hertz f : netlist.clocks) {
     band.from.value = std::min(band.from.value, 1e-3 * f.value);
     band.to.value = std::max(band.to.value, 0.5 * f.value);
   }
@@ -102,8 +102,8 @@ int run_sc(const std::vector<std::string>& arguments) {
   if (noise) json["noise_v"] = std::sqrt(square);
   json["timing_s"] = {{"compute", seconds}};
   std::string text =
-      fmt::format("{} capacitors, {} switches, {} op-amps\n", netlist.network.capacitors.size(),
-                  netlist.network.switches.size(), netlist.network.opamps.size());
+      fmt::format("{} capacitors, {} switches, {} op-amps\n", netlist.circuit.netlist.parts.size(),
+                  netlist.circuit.netlist.contacts.size(), netlist.circuit.netlist.opamps.size());
   if (noise)
     text += fmt::format("noise from {} to {} Hz: {}\n", rounded_text(band.from.value),
                         rounded_text(band.to.value), engineering_text(std::sqrt(square), "V rms"));

@@ -6,7 +6,7 @@
 namespace bodesmith::fpaa {
 
 // The switches of a stage: ONE description, read by the stream generator (as switch words), by the ngspice netlist (as switches) and by
-// the solver (network_of); streams that are read give it back. Facts: an231, part 2. Within a clock period phase 1 comes first, then
+// the solver (circuit_of); streams that are read give it back. Facts: an231, part 2. Within a clock period phase 1 comes first, then
 // phase 2.
 
 /// What one plate of a capacitor is connected to.

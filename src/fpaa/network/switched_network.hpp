@@ -6,16 +6,32 @@
 
 #include "base/units.hpp"
 #include "fpaa/cams/switches.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::fpaa {
 
-/// Capacitors, clocked switches and op-amps: all there is in a switched-capacitor circuit. Nodes are
-/// counted, 0 is ground; switches have no resistance, op-amps any gain, and all have settled when a switch moves.
+/// A switched-capacitor circuit: a netlist of capacitors, op-amps and contacts that phases of clocks close, with what is outside of it.
+struct SwitchedCircuit {
+  struct Phase {
+    std::string node;  ///< Contact::control
+    int clock = 0;     ///< index, from 0
+    int phase = 1;     ///< 1 or 2: first and second half of the clock's period
+  };
+  schematic::Netlist netlist;
+  std::vector<std::string> inputs;
+  std::string output;  ///< of an op-amp
+  std::vector<Phase> phases;
+};
+
+/// A stage's circuit: nodes in1 … out p1 p2 …, n1 … at the inverting inputs, u1 … behind switches; capacitors in units.
+SwitchedCircuit circuit_of(const StageSwitches& stage);
+
+/// The same with its nodes counted, 0 is ground. Switches have no resistance, op-amps any gain, and all have settled when a
+/// switch moves.
 struct SwitchedNetwork {
   struct Capacitor {
-    std::string name;
     int a = 0, b = 0;
-    double size = 0.0;  ///< farads or units
+    double size = 0.0;
   };
   /// Closed in one phase of one clock.
   struct Switch {
@@ -26,7 +42,7 @@ struct SwitchedNetwork {
   struct OpAmp {
     int plus = 0, minus = 0, out = 0;
     Hertz gain_bandwidth{0.0};  ///< what its noise is limited by; 0: none is known
-    double noise_per_hz = 0.0;  ///< one-sided density at its input, in kT over the unit of capacitance
+    double noise_per_hz = 0.0;  ///< one-sided density at its input
   };
   int nodes = 1;  ///< ground among them
   std::vector<Capacitor> capacitors;
@@ -35,11 +51,9 @@ struct SwitchedNetwork {
   std::vector<int> inputs;  ///< nodes held at the inputs' voltages
   int output = 0;           ///< index of the op-amp that is read outside
 
-  int add_node() { return nodes++; }
+  /// Throws DesignError where the netlist has other elements, or no op-amp at the output.
+  explicit SwitchedNetwork(const SwitchedCircuit& circuit);
 };
-
-/// A stage's circuit.
-SwitchedNetwork network_of(const StageSwitches& stage);
 
 /// A network while its switches stand still. What is conserved is the charge of every group of joined nodes that
 /// nothing holds; with q those charges and u the inputs, all at the same instant,

@@ -19,7 +19,7 @@ constexpr int kDeepest = 200;
 std::optional<ClockedNetwork> network_of_cam(const PlacedCam& cam, std::int64_t period) {
   const auto stage = cam.cam->switches(cam);
   if (!stage || stage->capacitors.empty()) return std::nullopt;
-  return ClockedNetwork(network_of(*stage), {period});
+  return ClockedNetwork(circuit_of(*stage), {period});
 }
 
 }  // namespace

@@ -158,7 +158,7 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
 }
 
 ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions,
-                         const OpAmpModel& opamp) {
+                         const schematic::OpAmpModel& opamp) {
   ErrorBudget out;
   const auto cams = plan.cams();
   const SwitchedBoard board(plan);
@@ -186,7 +186,7 @@ Json ErrorBudget::to_json() const {
         {{"capacitor", capacitors[i].capacitor}, {"share", capacitors[i].share}});
   out["settling_limit_hz"] = settling_limit_hz;
   out["settling"] = {{"opamp_gain_bandwidth_hz", opamp.gain_bandwidth.value},
-                     {"opamp_gain", opamp.gain},
+                     {"opamp_gain", opamp.dc_gain},
                      {"error_percent", settling_percent}};
   out["noise_kt_per_cu"] = noise_kt_per_cu;
   out["noise_in_band_kt_per_cu"] = noise_in_band_kt_per_cu;

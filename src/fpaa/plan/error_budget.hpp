@@ -35,7 +35,7 @@ struct ErrorBudget {
 
   /// Op-amps with this bandwidth and gain do not settle whole in half a period: at most the sum of what each CAM
   /// leaves of its step.
-  OpAmpModel opamp;
+  schematic::OpAmpModel opamp;
   double settling_percent = 0.0;
 
   Json to_json() const;
@@ -46,7 +46,7 @@ struct ErrorBudget {
 /// publicly known, so the result is in kT/C_u, and in uV for the assumed one. Op-amp noise is not in it (not publicly
 /// known).
 ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions,
-                         const OpAmpModel& opamp);
+                         const schematic::OpAmpModel& opamp);
 
 /// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and 300 drawn boards.
 PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,

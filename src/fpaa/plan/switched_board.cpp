@@ -38,7 +38,7 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
 ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> units, bool with_noise) const {
   const PlacedCam& cam = *graph_.nodes[n].cam;
   const CapacitorUnits own(cam.capacitors, units.subspan(first_capacitor_[n], cam.capacitors.size()));
-  return ClockedNetwork(network_of(*cam.cam->switches(cam, own)), {graph_.nodes[n].period}, with_noise);
+  return ClockedNetwork(circuit_of(*cam.cam->switches(cam, own)), {graph_.nodes[n].period}, with_noise);
 }
 
 Hertz SwitchedBoard::fastest_clock() const {

@@ -5,6 +5,7 @@
 
 #include "fpaa/network/settling.hpp"
 #include "fpaa/plan/plan.hpp"
+#include "schematic/writers/spice_library.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -17,7 +18,7 @@ struct NetlistParts {
   /// stages are insensitive to it; without any, an inverting input whose capacitors are all open between the
   /// phases has no voltage, and a simulator's matrix no solution.
   double stray_units = 1e-3;
-  OpAmpModel opamp;
+  schematic::OpAmpModel opamp = default_opamp();
   /// Both phases of a clock end this share of a period before the other begins. It is as if they sampled so much
   /// earlier, which is an error of pi f/fc of it: a chip's are nanoseconds.
   double gap = 0.0005;
@@ -25,10 +26,9 @@ struct NetlistParts {
 
 /// board.sub: the plan as switched capacitors, `.subckt board in out`, ground node 0 (the chips' differential
 /// signals drawn single-ended, about 0 V instead of 1.5 V). Each CAM is a subcircuit made from the description
-/// of its switches (fpaa/switches.hpp); a switch is a conductance G VALUE={V(a,b)*V(phase)/r} with the
-/// phase's node going from 0 to 1 V, which ngspice, LTspice and Xyce read alike; each clock has two phases
-/// that do not overlap, all clocks start at t = 0 with phase 1. Op-amps have one pole (OpAmpModel) and
-/// an ideal output. Throws DesignError for a plan with a CAM whose switches are not known.
+/// of its switches (cams/switches.hpp), the whole a schematic::SpiceLibrary that `sc` reads back; a switch is a conductance that
+/// goes with its phase's node from 0 to 1 V; each clock has two phases that do not overlap, all clocks start at t = 0 with
+/// phase 1. Op-amps have one pole and an ideal output. Throws DesignError for a plan with a CAM whose switches are not known.
 std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title);
 
 /// A CAM of such a netlist.
@@ -37,13 +37,14 @@ struct NetlistStage {
   const PlacedCam* cam = nullptr;
   double period_s = 0.0;            ///< of its clock
   std::vector<std::string> inputs;  ///< nodes; "0" where nothing is wired
+  std::string output;
 };
 /// The node at the output of the CAM of this name.
 std::string output_node(const std::string& name);
-/// Such a netlist with the top `.subckt top`, "board in out", and what else stands in it, a line each. `what` is said to be in it.
-std::string switched_library(const std::string& top, const std::string& what,
-                             const std::vector<NetlistStage>& stages, const std::vector<std::string>& links,
-                             const NetlistParts& parts, const std::string& title);
+/// Such a netlist: CAMs and clocks join `top`. `what` is said to be in it.
+std::string switched_library(schematic::Subcircuit top, const std::string& what,
+                             const std::vector<NetlistStage>& stages, const NetlistParts& parts,
+                             const std::string& title);
 
 /// board.cir: a sine in the middle of the plan's band through it, for ngspice; nearer to the band's upper end where
 /// the fastest clock would turn too often.

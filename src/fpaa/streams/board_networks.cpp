@@ -135,7 +135,7 @@ class StageReader {
   bool switches() const { return !periods_.empty(); }
   /// Of its clocks; nothing switches: any clock will do.
   std::vector<std::int64_t> periods() const { return switches() ? periods_ : std::vector<std::int64_t>{2}; }
-  ClockedNetwork network() const { return ClockedNetwork(network_of(stage), periods()); }
+  ClockedNetwork network() const { return ClockedNetwork(circuit_of(stage), periods()); }
 
   StageSwitches stage;
   std::vector<LinkedSource> sources;  ///< of each input
@@ -189,15 +189,12 @@ class StageReader {
 };
 
 /// A follower behind a switch that is closed in one phase.
-SwitchedNetwork sampler(int phase) {
-  SwitchedNetwork out;
-  const int in = out.add_node();
-  const int held = out.add_node();
-  const int output = out.add_node();
-  out.inputs = {in};
-  out.switches = {{in, held, 0, phase}};
-  out.capacitors = {{"Chold", held, 0, 1.0}};
-  out.opamps = {{.plus = held, .minus = output, .out = output}};
+SwitchedCircuit sampler(int phase) {
+  SwitchedCircuit out{{}, {"in"}, "out", {{"p", 0, phase}}};
+  out.netlist.opamp = schematic::OpAmpModel::ideal();
+  out.netlist.opamps = {{"A", "", 0, "held", "out", "out"}};
+  out.netlist.contacts = {{"S", 0, "in", "held", "p"}};
+  out.netlist.parts = {{schematic::Part::Kind::capacitor, "Chold", "", 0, "held", "0", "", 1.0, 1.0}};
   return out;
 }
 

@@ -37,9 +37,9 @@ constexpr double kNoChange = 1e-9;
 bool has_way_round(synthesis::Circuit circuit, std::size_t opamp, Hertz corner) {
   const auto response = [&] { return std::abs(schematic::network_response(circuit, {corner}).front()); };
   const double alive = response();
-  circuit.fast_opamp = circuit.opamp;
-  circuit.fast_opamp.dc_gain = 1.0 / circuit.opamp.dc_gain;
-  circuit.opamps[opamp].fast = true;
+  circuit.other_opamps = {circuit.opamp};
+  circuit.other_opamps[0].dc_gain = 1.0 / circuit.opamp.dc_gain;
+  circuit.opamps[opamp].type = 1;
   return response() > kNoChange * alive;
 }
 
@@ -74,8 +74,8 @@ void add_opamps(const synthesis::Circuit& circuit, std::size_t stage, const Bloc
 std::vector<Complex> opamps_share(synthesis::Circuit circuit, const synthesis::OpAmpModel& opamp,
                                   std::size_t stage, const std::vector<Hertz>& grid) {
   std::vector<Complex> out = schematic::network_response(circuit, grid);
-  circuit.fast_opamp = opamp;
-  for (synthesis::OpAmp& one : circuit.opamps) one.fast = one.group == stage;
+  circuit.other_opamps = {opamp};
+  for (synthesis::OpAmp& one : circuit.opamps) one.type = one.group == stage ? 1 : 0;
   const std::vector<Complex> real = schematic::network_response(circuit, grid);
   for (std::size_t i = 0; i < grid.size(); ++i) out[i] = real[i] / out[i];
   return out;

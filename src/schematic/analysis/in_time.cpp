@@ -21,12 +21,14 @@ constexpr Hertz kFastest{1e7};
 /// Op-amps with an output resistance, however small; ideal ones no faster than leaves the equations regular (some 1e-4 of what
 /// they do below a kilohertz).
 Netlist with_states(Netlist netlist) {
-  for (OpAmpModel* model : {&netlist.opamp, &netlist.fast_opamp}) {
-    model->output_resistance_ohm = std::max(model->output_resistance_ohm, kLeastOhm);
-    if (!model->is_ideal) continue;
-    model->gain_bandwidth = kFastest;
-    model->output_resistance_ohm = 50.0;
-  }
+  const auto with_state = [](OpAmpModel& model) {
+    model.output_resistance_ohm = std::max(model.output_resistance_ohm, kLeastOhm);
+    if (!model.is_ideal) return;
+    model.gain_bandwidth = kFastest;
+    model.output_resistance_ohm = 50.0;
+  };
+  with_state(netlist.opamp);
+  std::ranges::for_each(netlist.other_opamps, with_state);
   return netlist;
 }
 

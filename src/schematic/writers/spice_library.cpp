@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "base/documents/json.hpp"
@@ -26,8 +27,19 @@ std::string without_end(std::string text) {
 std::string opamp_subcircuit(const OpAmpModel& model, const std::string& subcircuit) {
   if (model.is_ideal)
     return without_end(render_template("spice/ideal_opamp.sub", {{"subcircuit", subcircuit}}));
-  constexpr double kIntegrator = 1e-9;
   const double gbw = model.gain_bandwidth.rad_s().value;
+  if (!model.has_limits()) {
+    // About the capacitors that it stands among: a simulator's least charge is one for all.
+    constexpr double kPole = 1e-11;
+    return without_end(
+        render_template("spice/one_pole_opamp.sub", {{"subcircuit", subcircuit},
+                                                     {"gbw_hz", plain_number(model.gain_bandwidth.value)},
+                                                     {"dc_gain", plain_number(model.dc_gain)},
+                                                     {"siemens", plain_number(gbw * kPole)},
+                                                     {"ohm", plain_number(model.dc_gain / (gbw * kPole))},
+                                                     {"farad", plain_number(kPole)}}));
+  }
+  constexpr double kIntegrator = 1e-9;
   Json data = {{"subcircuit", subcircuit},
                {"name", model.name},
                {"gbw_hz", plain_number(model.gain_bandwidth.value)},
@@ -65,6 +77,11 @@ std::string opamp_subcircuit(const OpAmpModel& model, const std::string& subcirc
   return without_end(render_template("spice/opamp.sub", data));
 }
 
+std::string opamp_subcircuit_name(std::size_t type) {
+  return type < 2 ? (type == 0 ? "bodesmith_opamp" : "bodesmith_fast_opamp")
+                  : fmt::format("bodesmith_opamp_{}", type);
+}
+
 std::string multiplier_subcircuit(const MultiplierModel& model, const std::string& name,
                                   const MultiplierDeviation& off) {
   Json data = {{"name", name},
@@ -82,6 +99,11 @@ std::string multiplier_subcircuit(const MultiplierModel& model, const std::strin
 }
 
 std::string switch_subcircuit(const SwitchModel& model) {
+  if (model.is_plain()) {
+    return without_end(
+        render_template("spice/plain_switch.sub", {{"off_siemens", plain_number(model.off_siemens)},
+                                                   {"on_siemens", plain_number(model.on_siemens())}}));
+  }
   const SwitchTimer timer = SwitchTimer::of(model);
   Json data = {{"charge_c", plain_number(model.charge_c)},
                {"off_siemens", plain_number(model.off_siemens)},
@@ -156,10 +178,23 @@ class NetlistLines {
     each(netlist_.contacts, [&](const Contact& one, std::size_t) {
       out.push_back(fmt::format("X{} {} {} {} bodesmith_switch", one.name, one.from, one.to, one.control));
     });
+    each(netlist_.clock_phases, [&](const ClockPhase& one, std::size_t) { clock_phase(one, out); });
+    each(netlist_.expressions, [&](const Expression& one, std::size_t) {
+      out.push_back(fmt::format("{} {} 0 V={}", one.name, one.node, one.volts));
+    });
     each(netlist_.instances, [&](const Instance& one, std::size_t) {
       out.push_back(fmt::format("X{} {} {}", one.name, join(one.nodes, " "), one.of));
     });
     return out;
+  }
+
+  /// Its edges lie in the gaps: a phase is full from its beginning to its end.
+  static void clock_phase(const ClockPhase& one, Lines& out) {
+    const double period = 1.0 / one.frequency.value, edge = kEdgeOfGap * one.gap * period;
+    out.push_back(fmt::format("{} {} 0 PULSE(0 1 {} {} {} {} {})", one.name, one.node,
+                              plain_number(one.phase == 1 ? 0.0 : 0.5 * period), plain_number(edge),
+                              plain_number(edge), plain_number((0.5 - one.gap) * period),
+                              plain_number(period)));
   }
 
   static std::string argument(const Comparator& one) {
@@ -183,8 +218,8 @@ class NetlistLines {
       out.push_back(fmt::format("Vos{0} os{0} {1} {2}", one.name, plus, plain_number(offset)));
       plus = "os" + one.name;
     }
-    out.push_back(fmt::format("X{} {} {} {} {}", one.name, plus, one.minus, one.out,
-                              one.fast ? "bodesmith_fast_opamp" : "bodesmith_opamp"));
+    out.push_back(
+        fmt::format("X{} {} {} {} {}", one.name, plus, one.minus, one.out, opamp_subcircuit_name(one.type)));
   }
 
  public:
@@ -233,14 +268,13 @@ Lines model_texts(const SpiceLibrary& library, const SpiceOptions& options) {
                                             options.off->multiplier[i]));
     }
   }
-  for (const bool fast : {false, true}) {
-    const Netlist* one = first_with([&](const Netlist& n) {
-      return std::ranges::any_of(n.opamps, [&](const OpAmp& u) { return u.fast == fast; });
-    });
-    if (one == nullptr) continue;
-    OpAmpModel model = fast ? one->fast_opamp : one->opamp;
+  std::map<std::size_t, OpAmpModel> types;
+  for (const Subcircuit& one : library.subcircuits) {
+    for (const OpAmp& opamp : one.netlist.opamps) types.emplace(opamp.type, one.netlist.model_of(opamp));
+  }
+  for (auto& [type, model] : types) {
     if (!options.noise) model.voltage_noise_v_per_rthz = model.current_noise_a_per_rthz = 0.0;
-    out.push_back(opamp_subcircuit(model, fast ? "bodesmith_fast_opamp" : "bodesmith_opamp"));
+    out.push_back(opamp_subcircuit(model, opamp_subcircuit_name(type)));
   }
   return out;
 }
@@ -261,6 +295,8 @@ struct Nodes {
     }
     return out;
   }
+  List operator()(ClockPhase& one) const { return {&one.node}; }
+  List operator()(Expression& one) const { return {&one.node}; }
   List operator()(Instance& one) const {
     List out;
     for (std::string& node : one.nodes) out.push_back(&node);
@@ -283,10 +319,12 @@ Netlist SpiceLibrary::flat(const std::string& name, std::size_t depth) const {
   for (const Instance& instance : std::exchange(out.instances, {})) {
     const Subcircuit& of = subcircuit(instance.of);
     Netlist inner = flat(instance.of, depth + 1);
-    if (of.pins.size() != instance.nodes.size() || !inner.multipliers.empty() || !inner.contacts.empty() ||
-        !inner.sources.empty() || !inner.comparators.empty() || !inner.gates.empty())
-      throw InputError(fmt::format(
-          "{}: {} holds more than resistors, capacitors and op-amps between its pins", title, instance.of));
+    if (of.pins.size() != instance.nodes.size() || !inner.multipliers.empty() || !inner.sources.empty() ||
+        !inner.comparators.empty() || !inner.gates.empty() || !inner.clock_phases.empty() ||
+        !inner.expressions.empty())
+      throw InputError(
+          fmt::format("{}: {} holds more than resistors, capacitors, contacts and op-amps between its pins",
+                      title, instance.of));
     const auto place = [&](auto& one) {
       one.group += out.groups.size();
       for (std::string* node : Nodes()(one)) {
@@ -301,8 +339,9 @@ Netlist SpiceLibrary::flat(const std::string& name, std::size_t depth) const {
     for_each_element(inner, place);
     out.parts.insert(out.parts.end(), inner.parts.begin(), inner.parts.end());
     out.opamps.insert(out.opamps.end(), inner.opamps.begin(), inner.opamps.end());
+    out.contacts.insert(out.contacts.end(), inner.contacts.begin(), inner.contacts.end());
     out.groups.insert(out.groups.end(), inner.groups.begin(), inner.groups.end());
-    if (out.parts.size() + out.opamps.size() > kMostParts)
+    if (out.parts.size() + out.opamps.size() + out.contacts.size() > kMostParts)
       throw InputError(fmt::format("{}: {} has more than {} parts", title, name, kMostParts));
   }
   return out;
@@ -314,6 +353,9 @@ Netlist SpiceLibrary::two_port(const std::string& name) const {
     throw InputError(
         fmt::format("{}: {} has {} pins, expected its input and its output", title, name, pins.size()));
   Netlist out = flat(name);
+  if (!out.clock_phases.empty() || !out.expressions.empty())
+    throw InputError(
+        fmt::format("{}: {} has clocks or B sources, of which no response is known here", title, name));
   bool ends = false;
   for_each_element(out, [&](auto& one) {
     for (std::string* node : Nodes()(one)) {

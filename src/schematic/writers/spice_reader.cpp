@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <regex>
 #include <utility>
 
@@ -52,7 +53,7 @@ class Reader {
     head();
     while (at_ < lines_.size()) block();
     if (!deck_.netlist.groups.empty()) {
-      deck_.pins = {input_.empty() ? "in" : input_, node("out")};
+      deck_.pins = {input_.empty() ? "in" : input_, output_.empty() ? node("out") : output_};
       out_.subcircuits.push_back(std::move(deck_));
     }
     if (out_.subcircuits.empty()) throw InputError(file_ + ": has no subcircuit, expected .subckt NAME PINS");
@@ -61,7 +62,7 @@ class Reader {
     }
     for (Subcircuit& one : out_.subcircuits) {
       one.netlist.opamp = models_.opamp;
-      one.netlist.fast_opamp = models_.fast_opamp;
+      one.netlist.other_opamps = models_.other_opamps;
       one.netlist.multiplier = models_.multiplier;
       one.netlist.analog_switch = models_.analog_switch;
       one.netlist.diode = models_.diode;
@@ -76,8 +77,8 @@ class Reader {
     throw InputError(file_, numbers_[std::min(at_, numbers_.size() - 1)], what);
   }
   bool is_deck() const {
-    return !file_.ends_with(".sub") && !file_.ends_with(".lib") && !lines_[0].starts_with('*') &&
-           !lines_[0].starts_with('.');
+    return !file_.ends_with(".sub") && !file_.ends_with(".lib") && !file_.ends_with(".sc") &&
+           !lines_[0].starts_with('*') && !lines_[0].starts_with('.');
   }
   /// A subcircuit's name as it is defined; SPICE knows no capitals.
   std::string defined(const std::string& name) const {
@@ -159,7 +160,7 @@ class Reader {
     if (first == ".end") return static_cast<void>(at_ = lines_.size());
     if (first != ".subckt") {
       // Analyses, outputs, options; what an included file is to define is known by its name or refused where it is used.
-      if (first.starts_with('.')) return static_cast<void>(++at_);
+      if (first.starts_with('.') && first != ".clock" && first != ".output") return static_cast<void>(++at_);
       if (deck_.netlist.groups.empty()) deck_.name = "deck", begin(deck_);
       element(deck_.netlist);
       ++at_;
@@ -200,6 +201,7 @@ class Reader {
       return;
     }
     Words w = words_of(line);
+    if (line.starts_with('.')) return switched(w, into);
     const std::size_t group = place(w, into);
     const auto expect = [&](std::size_t count) {
       if (w.size() != count) fail(fmt::format("has {} words, expected {}", w.size(), count));
@@ -222,13 +224,23 @@ class Reader {
         into.parts.push_back({Part::Kind::diode, w[0], "", group, w[1], w[2], "", 0.0, 0.0});
         return;
       case 'V':
-        return source(w, group, into);
+        return source(line, group, into);
+      case 'B':
+        if (w.size() < 4 || !lower_case(w[3]).starts_with("v=") || node(w[2]) != "0")
+          fail("expected B NAME NODE 0 V=…");
+        into.expressions.push_back(
+            {w[0], node(w[1]), std::string(trim(line.substr(line.find('=') + 1))), group});
+        return;
+      case 'S':
+        return phased_contact(w, group, into);
+      case 'O':
+        return nullor(w, group, into);
       case 'E':
         return level(line, w, group, into);
       case 'X':
         return instance(w, group, into);
       default:
-        fail(fmt::format("'{}' is no element of these netlists, expected R, C, D, V, E or X", w[0]));
+        fail(fmt::format("'{}' is no element of these netlists, expected R, C, D, V, B, E, S, O or X", w[0]));
     }
   }
 
@@ -237,10 +249,72 @@ class Reader {
     return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
   }
 
-  /// `V1 vcc 0 15`, `V1 vcc 0 DC 15`; with an AC value it is the input.
-  void source(const Words& w, std::size_t group, Netlist& into) {
-    if (w.size() < 4) fail("has no value, expected V NAME NODE 0 VALUE");
+  /// `.clock NAME FREQUENCY`, `.output NODE`.
+  void switched(const Words& w, Netlist& into) {
+    if (lower_case(w[0]) == ".output") {
+      if (w.size() != 2 || !output_.empty()) fail("expected one line .output NODE");
+      output_ = node(w[1]);
+    } else if (lower_case(w[0]) == ".clock") {
+      const double hz = w.size() == 3 ? number(w[2]) : 0.0;
+      if (!(hz > 0.0)) fail("expected .clock NAME FREQUENCY, above 0");
+      for (const int phase : {1, 2}) {
+        const std::string at = node(fmt::format("{}.{}", w[1], phase));
+        if (phase_at(at, into) != nullptr) fail(fmt::format("clock {} is there already", w[1]));
+        into.clock_phases.push_back({"V" + at, at, {hz}, phase, 0.0, into.groups.size() - 1});
+      }
+    }
+  }
+  static const ClockPhase* phase_at(const std::string& name, const Netlist& in) {
+    const auto at = std::ranges::find(in.clock_phases, name, &ClockPhase::node);
+    return at == in.clock_phases.end() ? nullptr : &*at;
+  }
+  /// `S1 a b main.1`: closed in a phase of a clock.
+  void phased_contact(const Words& w, std::size_t group, Netlist& into) {
+    const ClockPhase* by = w.size() == 4 ? phase_at(node(w[3]), into) : nullptr;
+    if (by == nullptr)
+      fail(fmt::format("'{}' is no phase of a clock, expected S NAME NODE NODE main.1 after .clock main 100k",
+                       w.back()));
+    into.contacts.push_back({w[0], group, node(w[1]), node(w[2]), by->node});
+  }
+  /// `O1 plus minus out noise=5n gbw=10meg`: ideal but for the noise at its input and the bandwidth that limits it.
+  void nullor(const Words& w, std::size_t group, Netlist& into) {
+    const std::string line = lower_case(lines_[at_]);
+    const double noise = figure(line, " noise=(\\S+)"), gbw = figure(line, " gbw=(\\S+)");
+    if (w.size() != (noise > 0.0 || gbw > 0.0 ? 6u : 4u) || (noise > 0.0) != (gbw > 0.0))
+      fail("expected O NAME PLUS MINUS OUT, or with noise=5n gbw=10meg behind it");
+    OpAmpModel model = OpAmpModel::ideal();
+    if (noise > 0.0) {
+      model.name = w[4] + " " + w[5];
+      model.is_ideal = false;
+      model.gain_bandwidth = {gbw};
+      model.voltage_noise_v_per_rthz = noise;
+      model.voltage_noise_corner_hz = 0.0;
+    }
+    const std::string plus = node(w[1]), minus = node(w[2]);
+    into.opamps.push_back({w[0], "", group, plus, minus, node(w[3]), type_of(model)});
+  }
+
+  /// `V1 vcc 0 15`, `V1 vcc 0 DC 15`, a phase of a clock; without a value or with an AC value it is the input.
+  void source(const std::string& line, std::size_t group, Netlist& into) {
+    const Words w = words_of(line);
+    if (w.size() < 3) fail("has no nodes, expected V NAME NODE 0 VALUE");
     if (node(w[2]) != "0") fail("a source stands between two nodes, expected one to ground");
+    if (w.size() == 3) {
+      if (!input_.empty()) fail("has no value, and there is an input already");
+      input_ = node(w[1]);
+      return;
+    }
+    static const std::regex kPulse(R"(.* PULSE\(0 1 (\S+) (\S+) \S+ \S+ (\S+)\))");
+    if (std::smatch found; std::regex_match(line, found, kPulse)) {
+      const double period = number(found[3]), edge = number(found[2]);
+      into.clock_phases.push_back({w[0],
+                                   node(w[1]),
+                                   {1.0 / period},
+                                   number(found[1]) == 0.0 ? 1 : 2,
+                                   short_number(edge / (kEdgeOfGap * period)),
+                                   group});
+      return;
+    }
     for (std::size_t i = 3; i < w.size(); ++i) {
       if (!lower_case(w[i]).starts_with("ac")) continue;
       input_ = node(w[1]);
@@ -254,14 +328,17 @@ class Reader {
   /// Within a group elements stand in a fixed order, as they are printed; one that comes too late begins another group.
   std::size_t place(const Words& w, Netlist& into) {
     const char kind = kind_of(w);
-    int rank = kind == 'V' ? 0 : kind == 'E' ? 4 : 1;
+    static const std::map<char, int> kRanks{{'V', 0}, {'O', 3}, {'E', 4}, {'S', 6}, {'B', 8}};
+    const auto known = kRanks.find(kind);
+    int rank = known == kRanks.end() ? 1 : known->second;
+    if (kind == 'V' && w.size() > 3 && w[3].starts_with("PULSE")) rank = 7;
     if (kind == 'E' && w.size() > 4 && w[4].find("tanh") == std::string::npos) rank = is_amplifier(w) ? 3 : 5;
     if (kind == 'X') {
       const std::string& of = w.back();
-      rank = of == "bodesmith_multiplier"                          ? 2
-             : of == "bodesmith_switch"                            ? 6
-             : of.ends_with("_opamp") || type_named(of) != nullptr ? 3
-                                                                   : 7;
+      rank = of == "bodesmith_multiplier"                    ? 2
+             : of == "bodesmith_switch"                      ? 6
+             : type_in_name(of) || type_named(of) != nullptr ? 3
+                                                             : 9;
     }
     if (into.groups.size() != groups_seen_) rank_ = 0;
     if (rank < rank_) into.groups.push_back({"", Purpose::stage});
@@ -279,10 +356,10 @@ class Reader {
       // In the order of makers' models: + - out, or + - supplies out.
       if (pins.size() != 3 && pins.size() != 5)
         fail(fmt::format("has {} pins, expected + - out, or + - and both supplies and out", pins.size()));
-      into.opamps.push_back({name, "", group, pins[0], pins[1], pins.back(), is_second(*type)});
-    } else if (of == "bodesmith_opamp" || of == "bodesmith_fast_opamp") {
+      into.opamps.push_back({name, "", group, pins[0], pins[1], pins.back(), type_of(*type)});
+    } else if (const auto own = type_in_name(of)) {
       if (w.size() != 5) fail("an op-amp has three pins");
-      into.opamps.push_back({name, "", group, pins[0], pins[1], pins[2], of == "bodesmith_fast_opamp"});
+      into.opamps.push_back({name, "", group, pins[0], pins[1], pins[2], *own});
     } else if (of == "bodesmith_multiplier") {
       if (w.size() != 6) fail("a multiplier has four pins");
       into.multipliers.push_back({name, "", group, pins[0], pins[1], pins[2], pins[3], 0.0});
@@ -296,16 +373,27 @@ class Reader {
     }
   }
 
-  /// Whether a type of op-amp is a netlist's second.
-  bool is_second(const OpAmpModel& type) {
-    for (std::size_t i = 0; i < 2; ++i) {
-      if (i == types_.size()) {
-        types_.push_back(type.name);
-        (i == 0 ? models_.opamp : models_.fast_opamp) = type;
-      }
-      if (types_[i] == type.name) return i == 1;
+  /// The place of a type of op-amp among the netlist's.
+  std::size_t type_of(const OpAmpModel& type) {
+    const auto known = std::ranges::find(types_, type.name);
+    const auto out = static_cast<std::size_t>(known - types_.begin());
+    if (known == types_.end()) types_.push_back(type.name), model_at(out) = type;
+    return out;
+  }
+  OpAmpModel& model_at(std::size_t type) {
+    if (type == 0) return models_.opamp;
+    if (models_.other_opamps.size() < type) models_.other_opamps.resize(type);
+    return models_.other_opamps[type - 1];
+  }
+  /// Of a model as spice_text() names it.
+  static std::optional<std::size_t> type_in_name(const std::string& name) {
+    static const std::regex kNumbered("bodesmith_opamp_([2-9]|[1-9][0-9])");
+    std::smatch found;
+    if (std::regex_match(name, found, kNumbered)) return std::stoul(found[1]);
+    for (const std::size_t type : {0u, 1u}) {
+      if (opamp_subcircuit_name(type) == name) return type;
     }
-    fail(fmt::format("'{}' is a third type of amplifier, expected two at most", type.name));
+    return std::nullopt;
   }
 
   /// `E1 out 0 plus minus 1e6`: an op-amp that has this gain at every frequency.
@@ -325,8 +413,8 @@ class Reader {
     model.voltage_noise_v_per_rthz = model.current_noise_a_per_rthz = 0.0;
     if (!(model.dc_gain > 0.0)) fail("has no gain, expected a number other than 0");
     const std::string plus = node(w[3]), minus = node(w[4]);
-    into.opamps.push_back({w[0], "", group, gain > 0.0 ? plus : minus, gain > 0.0 ? minus : plus, node(w[1]),
-                           is_second(model)});
+    into.opamps.push_back(
+        {w[0], "", group, gain > 0.0 ? plus : minus, gain > 0.0 ? minus : plus, node(w[1]), type_of(model)});
   }
 
   /// `Ename name 0 VALUE={ 0.5+0.5*tanh(…) }` or a product of levels.
@@ -384,8 +472,8 @@ class Reader {
     if (at_ == lines_.size()) fail(".subckt is not ended, expected .ends");
     const std::string text = join(comments, " ");
     std::string again;
-    if (name == "bodesmith_opamp" || name == "bodesmith_fast_opamp") {
-      OpAmpModel& to = name == "bodesmith_opamp" ? models_.opamp : models_.fast_opamp;
+    if (const auto type = type_in_name(name)) {
+      OpAmpModel& to = model_at(*type);
       to = opamp_from(text, body);
       again = opamp_subcircuit(to, name);
     } else if (name == "bodesmith_switch") {
@@ -434,6 +522,10 @@ class Reader {
         "Op-amp (.*): gain-bandwidth (\\S+) Hz, DC gain (\\S+), slew rate (\\S+) V/s, "
         "output (\\S+) V either side of ground behind (\\S+) ohm.*");
     if (text.starts_with("Ideal op-amp")) return OpAmpModel::ideal();
+    static const std::regex kOnePole(
+        "Op-amp of one pole: gain-bandwidth (\\S+) Hz, DC gain (\\S+), no limits\\.");
+    if (std::regex_match(text, found, kOnePole))
+      return OpAmpModel::one_pole({number(found[1])}, number(found[2]));
     if (!std::regex_match(text, found, kName)) fail("an op-amp's figures are missing above it");
     OpAmpModel out;
     out.name = found[1];
@@ -451,6 +543,11 @@ class Reader {
 
   SwitchModel switch_from(const std::string& text, const Words& body) const {
     SwitchModel out;
+    if (body.size() == 2) {
+      const std::string plain = line_with(body, "Gs ");
+      return SwitchModel::plain(short_number(1.0 / figure(plain, "\\+([-+.\\deE]+?)\\*v\\(e")),
+                                figure(plain, "\\*\\(([-+.\\deE]+?)\\+"));
+    }
     const Words rt = words_of(line_with(body, "Ct ")), cg = words_of(line_with(body, "Cg ")),
                 ca = words_of(line_with(body, "Ca ")), co = words_of(line_with(body, "Co "));
     const std::string gs = line_with(body, "Gs ");
@@ -475,7 +572,8 @@ class Reader {
   std::map<std::string, int> used_;           ///< subcircuits, and the line that uses them first
   Words types_;                               ///< of op-amps
   Subcircuit deck_;                           ///< what stands in no subcircuit
-  std::string input_;                         ///< the node of its source with an AC value
+  std::string input_;                         ///< the node of its source with an AC value, or without one
+  std::string output_;                        ///< the node that .output names
   std::size_t at_ = 0;
   SpiceLibrary out_;
   Netlist models_;

@@ -26,7 +26,7 @@ Json curve_json(const DisturbanceCircuit& controller) {
 Json controller_json(const DisturbanceCircuit& controller) {
   Json out = {{"form", std::string(to_string(controller.form))},
               {"opamp", controller.opamp.name},
-              {"fast_opamp", controller.fast_opamp.name}};
+              {"fast_opamp", controller.other_opamps.at(0).name}};
   out["multiplier"] = {{"name", controller.multiplier.name}, {"scale_v", controller.multiplier.scale_v}};
   out["switch"] = controller.analog_switch.name;
   out["branch_gain"] = controller.branch_gain;
@@ -87,14 +87,15 @@ void add_controller_files(const DisturbanceCircuit& controller, const std::strin
   out.add(folder / "controller.sub", controller_library(controller, title));
   out.add(folder / "parts.csv", schematic::parts_csv(controller));
   out.add(folder / "controller.json", to_text(json));
-  kicad::add_netlist_project(controller,
-                             {.stem = "controller",
-                              .title = title,
-                              .comment = fmt::format("bodesmith {}; op-amps {}, slope detector {}", kVersion,
-                                                     controller.opamp.name, controller.fast_opamp.name),
-                              .ports = {"r", "v"},
-                              .tolerances = {}},
-                             out, folder);
+  kicad::add_netlist_project(
+      controller,
+      {.stem = "controller",
+       .title = title,
+       .comment = fmt::format("bodesmith {}; op-amps {}, slope detector {}", kVersion, controller.opamp.name,
+                              controller.other_opamps.at(0).name),
+       .ports = {"r", "v"},
+       .tolerances = {}},
+      out, folder);
 }
 
 }  // namespace bodesmith::generator

@@ -124,7 +124,7 @@ Budget make_budget(const DisturbanceCircuit& layout, const ErrorLimits& errors) 
     all.multiplier(layout.multipliers[i].name, i, errors);
   for (size_t i = 0; i < layout.opamps.size(); ++i) {
     const schematic::OpAmp& one = layout.opamps[i];
-    if (one.fast) continue;
+    if (one.type != 0) continue;
     all.line(fmt::format("{} ({}), offset", one.name, one.role),
              [&](Deviations& off) { off.opamp_offset_v[i] = errors.opamp_offset_v; });
   }
@@ -151,7 +151,7 @@ void add_nodes(DisturbanceCircuit& layout) {
     const bool rectifies = std::ranges::any_of(layout.parts, [&](const Part& part) {
       return part.kind == Part::Kind::diode && (part.from == one.out || part.to == one.out);
     });
-    if (!one.fast && !rectifies && one.out != "out") nodes.push_back({one.out, one.role});
+    if (one.type == 0 && !rectifies && one.out != "out") nodes.push_back({one.out, one.role});
   }
   if (layout.switched()) nodes.push_back({"sw", "behind the branch switch"});
   nodes.push_back({"out", "d(x), 1 V per unit"});

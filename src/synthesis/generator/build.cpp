@@ -40,7 +40,7 @@ Builder::Builder(const Input& input, const Options& options, int size, const Dis
   out_.disturbance = disturbance;
   out_.multiplier = options.multiplier;
   out_.opamp = options.opamp;
-  out_.fast_opamp = options.fast_opamp;
+  out_.other_opamps = {options.fast_opamp};
   out_.analog_switch = options.analog_switch.value_or(SwitchModel::for_branches(input.branches.size()));
   out_.group = size;
   for (const Polynomial& one : input.branches)

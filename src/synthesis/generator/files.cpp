@@ -64,7 +64,7 @@ Json to_json(const DisturbanceCircuit& layout) {
                        {"scale_v", layout.multiplier.scale_v},
                        {"greatest_input_v", layout.multiplier.greatest_input_v},
                        {"bandwidth_hz", layout.multiplier.bandwidth.value}};
-  out["fast_opamp"] = layout.fast_opamp.name;
+  out["fast_opamp"] = layout.other_opamps.at(0).name;
   out["opamp"] = {{"name", layout.opamp.name}, {"gain_bandwidth_hz", layout.opamp.gain_bandwidth.value}};
   out["opamps"] = layout.opamps.size();
   out["branch_gain"] = layout.branch_gain;

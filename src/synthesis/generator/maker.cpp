@@ -238,10 +238,10 @@ void GeneratorMaker::slope_sign(const std::string& input, double stroke, Hertz l
   diode("D1", "slope's sign, limit", "sb", "sc");
   diode("D2", "slope's sign, limit", "sc", "sb");
   resistor("Rh1", "slope's sign, hysteresis", "sp", "0", 1e3);
-  resistor("Rh2", "slope's sign, hysteresis", "so", "sp", to_.fast_opamp.swing_v / 0.02 * 1e3);
+  resistor("Rh2", "slope's sign, hysteresis", "so", "sp", to_.other_opamps.at(0).swing_v / 0.02 * 1e3);
   for (const int one : {opamp("slope's sign, differentiator", "0", "sb", "sc"),
                         opamp("slope's sign, comparator", "sp", "sc", "so")})
-    to_.opamps[static_cast<std::size_t>(one)].fast = true;
+    to_.opamps[static_cast<std::size_t>(one)].type = 1;
 }
 
 void arrange(schematic::Netlist& netlist) {

@@ -37,7 +37,7 @@ int NetlistMaker::opamp(std::string role, std::string plus, std::string minus, s
                         std::string name) {
   if (name.empty()) name = "U" + std::to_string(to_.opamps.size() + 1);
   to_.opamps.push_back(
-      {std::move(name), std::move(role), group, std::move(plus), std::move(minus), std::move(out), false});
+      {std::move(name), std::move(role), group, std::move(plus), std::move(minus), std::move(out)});
   return static_cast<int>(to_.opamps.size()) - 1;
 }
 

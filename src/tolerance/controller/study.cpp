@@ -173,10 +173,12 @@ std::vector<DrawCheck> check_draws(const generator::DisturbanceCircuit& controll
     const Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
     const Board board(bench.wiring(), copy);
     generator::DisturbanceCircuit built = controller;
-    for (schematic::OpAmpModel* type : {&built.opamp, &built.fast_opamp}) {
-      type->gain_bandwidth.value *= 1.0 + copy.speed;
-      type->slew_v_per_s *= 1.0 + copy.speed;
-    }
+    const auto faster = [&](schematic::OpAmpModel& type) {
+      type.gain_bandwidth.value *= 1.0 + copy.speed;
+      type.slew_v_per_s *= 1.0 + copy.speed;
+    };
+    faster(built.opamp);
+    std::ranges::for_each(built.other_opamps, faster);
     generator::NgspiceRun run = generator::NgspiceRun::of_many();
     run.off = &copy.off;
     run.samples = options.samples;

@@ -31,7 +31,7 @@ StageSwitches pole_zero_stage(int ca, int cb, int cc, int cd) {
 }
 
 ClockedNetwork clocked(const StageSwitches& stage, std::int64_t period, bool with_noise = false) {
-  return ClockedNetwork(network_of(stage), {period}, with_noise);
+  return ClockedNetwork(circuit_of(stage), {period}, with_noise);
 }
 
 /// Stages one behind the other, each at its clock.
@@ -49,21 +49,21 @@ PeriodicNetworks chain(const std::vector<StageSwitches>& stages, const std::vect
 /// The same stages as one network of many clocks: no stage knows that it is one.
 PeriodicNetworks joined(const std::vector<StageSwitches>& stages, const std::vector<std::int64_t>& periods,
                         bool with_noise = false) {
-  SwitchedNetwork whole;
-  whole.inputs.push_back(whole.add_node());
-  int from = whole.inputs[0];
+  SwitchedCircuit whole{{}, {"in1"}, "in1", {}};
   for (std::size_t i = 0; i < stages.size(); ++i) {
-    const SwitchedNetwork part = network_of(stages[i]);
-    std::vector<int> node(static_cast<std::size_t>(part.nodes), 0);
-    for (int n = 1; n < part.nodes; ++n)
-      node[static_cast<std::size_t>(n)] = n == part.inputs[0] ? from : whole.add_node();
-    const auto of = [&](int n) { return node[static_cast<std::size_t>(n)]; };
-    for (const auto& c : part.capacitors) whole.capacitors.push_back({c.name, of(c.a), of(c.b), c.size});
-    for (auto s : part.switches) whole.switches.push_back({of(s.a), of(s.b), static_cast<int>(i), s.phase});
-    for (auto a : part.opamps) whole.opamps.push_back({of(a.plus), of(a.minus), of(a.out)});
-    from = of(part.opamps[0].out);
+    SwitchedCircuit part = circuit_of(stages[i]);
+    const std::string number = std::to_string(i), from = whole.output;
+    const auto of = [&](const std::string& n) { return n == "0" ? n : n == "in1" ? from : n + "_" + number; };
+    for (auto& c : part.netlist.parts) c.from = of(c.from), c.to = of(c.to), whole.netlist.parts.push_back(c);
+    for (auto& s : part.netlist.contacts) {
+      s.from = of(s.from), s.to = of(s.to), s.control = of(s.control);
+      whole.netlist.contacts.push_back(s);
+    }
+    for (auto& a : part.netlist.opamps)
+      a.minus = of(a.minus), a.out = of(a.out), whole.netlist.opamps.push_back(a);
+    for (const auto& p : part.phases) whole.phases.push_back({of(p.node), static_cast<int>(i), p.phase});
+    whole.output = of("out");
   }
-  whole.output = static_cast<int>(stages.size()) - 1;
   PeriodicNetworks out(kTicks);
   out.set_output(
       out.add(ClockedNetwork(whole, periods, with_noise), {{NetworkSource::Kind::board_input, 0}}));

@@ -11,12 +11,13 @@ namespace bodesmith::fpaa {
 namespace {
 
 /// exp(-pi beta GBW/fc) + 1/(beta A).
-double left_over(double beta, const OpAmpModel& opamp, double clock) {
-  return std::exp(-std::numbers::pi * beta * opamp.gain_bandwidth.value / clock) + 1.0 / (beta * opamp.gain);
+double left_over(double beta, const schematic::OpAmpModel& opamp, double clock) {
+  return std::exp(-std::numbers::pi * beta * opamp.gain_bandwidth.value / clock) +
+         1.0 / (beta * opamp.dc_gain);
 }
 
 TEST(Settling, IsTheFeedbacksShareOfWhatHangsAtTheInput) {
-  const OpAmpModel opamp{Hertz{2e6}, 1e4};
+  const auto opamp = schematic::OpAmpModel::one_pole(Hertz{2e6}, 1e4);
   StageSwitches stage;
   stage.capacitors = {static_branch("Cin", 30.0, PlateNode::input()),
                       static_branch("Cout", 50.0, PlateNode::opamp())};

@@ -83,11 +83,20 @@ TEST(SwitchedNetlist, MistakesAreNamedByLine) {
     }
     return "";
   };
-  EXPECT_EQ(message(".clock a 1k\nV1 in 0\nC1 in b 1q\n.output b\n"),
-            "x.sc:3: '1q' is no value, expected farads above 0");
+  EXPECT_EQ(message(".clock a 1k\nV1 in 0\nC1 in b q1\n.output b\n"), "x.sc:3: 'q1' is no number");
+  EXPECT_NE(message(".clock a 1k\nV1 in 0\nV2 b 0\n").find("x.sc:3: has no value, and there is an input"),
+            std::string::npos);
+  EXPECT_NE(message(".clock a 0\n").find("x.sc:1: expected .clock NAME FREQUENCY"), std::string::npos);
+  EXPECT_NE(message(".clock a 1k\n.clock A 2k\n").find("x.sc:2: clock A is there already"),
+            std::string::npos);
+  EXPECT_NE(message(".clock a 1k\n.clock b 1.2345678k\nC1 in b 1p\n").find("ratio of whole numbers"),
+            std::string::npos);
+  EXPECT_NE(message(".clock a 1k\nO1 0 b c noise=5n\n").find("x.sc:2: expected O NAME"), std::string::npos);
   EXPECT_NE(message(".clock a 1k\nS1 x y b.1\n").find("x.sc:2: 'b.1' is no phase"), std::string::npos);
-  EXPECT_NE(message("R1 a b 1k\n").find("x.sc:1: 'r1' is no element"), std::string::npos);
-  EXPECT_NE(message(".clock a 1k\nV1 in 0\nC1 in b 1p\n").find("there is no .output"), std::string::npos);
+  EXPECT_NE(message("Q1 a b 1k\n").find("x.sc:1: 'Q1' is no element"), std::string::npos);
+  EXPECT_NE(message("V1 in 0\nC1 in out 1p\n").find("there is no clock"), std::string::npos);
+  EXPECT_NE(message(".clock a 1k\nV1 in 0\nR1 in out 1k\nC1 out 0 1p\n").find("R1 is no capacitor"),
+            std::string::npos);
   EXPECT_NE(
       message(".clock a 1k\nV1 in 0\nC1 in b 1p\nO1 0 b out\n.output out\n").find("leave a voltage open"),
       std::string::npos);

@@ -45,7 +45,7 @@ TEST(SwitchedNoise, ALowPassIsWhatNgspiceMakesOfItsPhases) {
   stage.capacitors = {fpaa::switched_branch("Cin", 1, PlateNode::input()),
                       fpaa::switched_branch("Cout", 1, PlateNode::opamp()),
                       fpaa::static_branch("Cint", 2, PlateNode::opamp())};
-  const fpaa::ClockedNetwork network(fpaa::network_of(stage), {2}, true);  // a unit: 1 pF
+  const fpaa::ClockedNetwork network(fpaa::circuit_of(stage), {2}, true);  // a unit: 1 pF
   const auto& phases = network.intervals();
   // Charges in sqrt(kT pF): on Cint at the end of phase 1, on both branches at the end of phase 2. (2 kT C a branch, as
   // books have it, would be 2 in phase 1 too.)

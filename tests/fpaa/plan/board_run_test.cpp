@@ -72,7 +72,7 @@ TEST(BoardRun, AChainSettlesToItsPeriodicSteadyState) {
     const auto stage = cam.cam->switches(cam);
     const Source from = networks.size() == 0 ? Source{Source::Kind::board_input, 0}
                                              : Source{Source::Kind::network, networks.size() - 1};
-    networks.set_output(networks.add(ClockedNetwork(network_of(*stage), {kRunPeriod}), {from}));
+    networks.set_output(networks.add(ClockedNetwork(circuit_of(*stage), {kRunPeriod}), {from}));
     cells.push_back({cam, 1, {before}});
     before = cam.name;
   }

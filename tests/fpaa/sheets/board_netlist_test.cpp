@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fpaa/network/switched_netlist.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/sheets/board_netlist.hpp"
 #include "fpaa/stage_samples.hpp"
@@ -117,7 +118,7 @@ Plan plan_of_one(const PlacedCam& cam) {
 NetlistParts ideal_parts(double clock) {
   NetlistParts parts;
   parts.gap = 0.01;
-  parts.opamp = {{60.0 * clock}, 1e7};
+  parts.opamp = schematic::OpAmpModel::one_pole({60.0 * clock}, 1e7);
   parts.switch_on_ohm = 1.0 / (300.0 * clock * 500.0 * parts.unit_capacitance_f);
   parts.switch_off_ohm = 1e6 / (clock * parts.unit_capacitance_f);
   return parts;
@@ -292,6 +293,26 @@ TEST(Board, AParallelPlanOfTwoClocksAsItsSwitchesMakeIt) {
   // The slow clock turns 20 times in the window: no tone, nor its mirror image, may fold onto another.
   expect_waveform(plan, kClock,
                   {.settle = 140, .window = 80, .steps = 48, .turns = {1, 2, 5, 7, 9, 12, 17, 24, 34}});
+}
+
+/// The file as `sc` reads it, one network of all CAMs and their strays: what the plan's own networks make, whose op-amps
+/// take no strays.
+TEST(Board, TheNetlistReadBackIsTheBoard) {
+  for (const double slow : {100e3, 25e3}) {
+    Plan plan = plan_of_one(sample_stage("FilterBilinear Pole and Zero", "Section1", 100e3));
+    plan.chips[0].cams.push_back(sample_stage("FilterBilinear Low Pass", "Section2", slow));
+    plan.wires = {{"chip1.in1", "chip1.Section1"},
+                  {"chip1.Section1", "chip1.Section2"},
+                  {"chip1.Section2", "chip1.out1"}};
+    const std::string text = board_netlist(plan, {}, "plan");
+    EXPECT_EQ(schematic::spice_text(schematic::read_spice(text, "board.sub")), text);
+    const PeriodicNetworks whole = SwitchedNetlist::read(text, "board.sub").networks();
+    const SwitchedBoard board(plan);
+    for (const double hz : {10.0, 300.0, 2e3, 9e3, 40e3}) {
+      const Complex wanted = board.gain(Hertz{hz}.rad_s());
+      EXPECT_LT(std::abs(whole.gain(Hertz{hz}.rad_s()) - wanted), 1e-9 * std::abs(wanted)) << hz;
+    }
+  }
 }
 
 TEST(Board, APlanWithSwitchesThatAreNotKnownIsRefusedInOneLine) {

@@ -113,9 +113,9 @@ TEST(CircuitModel, NoiseGainsAreThoseOfTheNetwork) {
                      " zeros, " + one.circuit.stages.back().realisation);
         ++opamps;
         synthesis::Circuit slow = one.circuit;
-        slow.fast_opamp = synthesis::OpAmpModel::ideal();
-        slow.fast_opamp.gain_bandwidth = Hertz{2e4};
-        for (synthesis::OpAmp& opamp : slow.opamps) opamp.fast = opamp.name == part.part;
+        slow.other_opamps = {synthesis::OpAmpModel::ideal()};
+        slow.other_opamps[0].gain_bandwidth = Hertz{2e4};
+        for (synthesis::OpAmp& opamp : slow.opamps) opamp.type = opamp.name == part.part ? 1 : 0;
         const auto wanted = schematic::network_response(slow, kGrid);
         for (std::size_t i = 0; i < kGrid.size(); ++i) {
           const Complex s(0.0, kGrid[i].value / corner);
@@ -158,8 +158,8 @@ TEST(CircuitModel, NoiseGainsHoldBesideTheSpeedOfTheOpamps) {
         if (part.noise_gain.empty()) continue;
         ++opamps;
         synthesis::Circuit slow = one.circuit;
-        slow.fast_opamp = of_bandwidth(Hertz{kSlow}, kOutput);
-        for (synthesis::OpAmp& opamp : slow.opamps) opamp.fast = opamp.name == part.part;
+        slow.other_opamps = {of_bandwidth(Hertz{kSlow}, kOutput)};
+        for (synthesis::OpAmp& opamp : slow.opamps) opamp.type = opamp.name == part.part ? 1 : 0;
         const auto wanted = schematic::network_response(slow, kGrid);
         for (std::size_t i = 0; i < 4; ++i) {
           const Complex s(0.0, kGrid[i].value / corner);

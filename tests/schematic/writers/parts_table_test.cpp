@@ -13,8 +13,8 @@ Netlist one_of_each() {
   n.parts = {{Part::Kind::resistor, "R1", "input", 0, "in", "m", "E96", 4711.0, 4750.0},
              {Part::Kind::capacitor, "C1", "", 1, "m", "out", "E12", 2.1e-9, 2.2e-9},
              {Part::Kind::diode, "D1", "clamp", 1, "out", "0", "1N4148", 0.0, 0.0}};
-  n.opamps = {{"U1", "sum", 0, "0", "m", "out"}, {"U2", "", 1, "0", "m", "out", true}};
-  n.fast_opamp.name = "quick";
+  n.opamps = {{"U1", "sum", 0, "0", "m", "out"}, {"U2", "", 1, "0", "m", "out", 1}};
+  n.other_opamps.emplace_back().name = "quick";
   n.opamp.name = "slow";
   n.multipliers = {{"M1", "x^2", 1, "out", "v", "0", "w", 0.0}};
   n.contacts = {{"S1", 0, "w", "so", "up", 0}};

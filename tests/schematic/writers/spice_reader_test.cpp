@@ -89,18 +89,41 @@ TEST(SpiceReader, PinsOfAnyNameAreInputAndOutput) {
   EXPECT_LT(std::abs(network_response(netlist, {Hertz{100.0}})[0] - 0.25), 1e-12);
 }
 
-TEST(SpiceReader, OpAmpsOfOneTypeAndAnother) {
+TEST(SpiceReader, OpAmpsOfSeveralTypes) {
   const std::string two =
       ".subckt t in out\nR1 in m 1k\nR2 m a 1k\nXa 0 m a TL072\nR3 a n 1k\nR4 n out 1k\nXb 0 n out op27\n.ends\n";
   const Netlist netlist = read(two, "t.sub");
   EXPECT_EQ(netlist.opamp.name, "TL072");
-  EXPECT_EQ(netlist.fast_opamp.name, "OP27");
-  EXPECT_TRUE(netlist.opamps[1].fast);
-  EXPECT_THAT(refusal(two.substr(0, two.size() - 6) + "E2 q 0 out 0 5\n.ends\n", "t.sub"),
-              HasSubstr("t.sub:8: 'gain of 5' is a third type of amplifier"));
+  EXPECT_EQ(netlist.model_of(netlist.opamps[1]).name, "OP27");
+  // A third one, and all of them printed and read back.
+  SpiceLibrary three = read_spice(two.substr(0, two.size() - 6) + "E2 q 0 out 0 5\n.ends\n", "t.sub");
+  const std::string text = spice_text(three);
+  const Netlist back = read(text, "t.sub");
+  ASSERT_EQ(back.opamps.size(), 3u);
+  EXPECT_EQ(back.model_of(back.opamps[1]).name, "OP27");
+  EXPECT_EQ(back.model_of(back.opamps[2]).dc_gain, 5.0);
+  EXPECT_EQ(spice_text(read_spice(text, "t.sub")), text);
   // What a maker says of it is passed over.
   const std::string made = ".subckt TL072 1 2 3 4 5\nJ1 1 2 3 model\n.ends\n" + two;
   EXPECT_EQ(read(made, "t.sub").opamp.name, "TL072");
+}
+
+TEST(SpiceReader, SwitchedCapacitorsAreAnInputAnOutputAndContactsThatClocksMove) {
+  const SpiceLibrary library = read_spice(
+      ".clock main 100k\nV1 in 0\nS1 in a main.1\nS2 a n MAIN.2\nC1 a 0 1p\nC2 n y 10p\n"
+      "O1 0 n y noise=5n gbw=10meg\nO2 0 n y2\n.output y\n.end\nQ1 no element\n",
+      "filter.sc");
+  const Subcircuit& deck = library.subcircuits.at(0);
+  EXPECT_THAT(deck.pins, testing::ElementsAre("in", "y"));
+  ASSERT_EQ(deck.netlist.contacts.size(), 2u);
+  ASSERT_EQ(deck.netlist.clock_phases.size(), 2u);
+  EXPECT_EQ(deck.netlist.contacts[1].control, deck.netlist.clock_phases[1].node);
+  EXPECT_EQ(deck.netlist.clock_phases[1].phase, 2);
+  EXPECT_EQ(deck.netlist.clock_phases[1].frequency.value, 100e3);
+  EXPECT_EQ(deck.netlist.model_of(deck.netlist.opamps[0]).voltage_noise_v_per_rthz, 5e-9);
+  EXPECT_EQ(deck.netlist.model_of(deck.netlist.opamps[0]).gain_bandwidth.value, 10e6);
+  EXPECT_TRUE(deck.netlist.model_of(deck.netlist.opamps[1]).is_ideal);
+  EXPECT_THAT(refusal(".clock main 100k\nV1 in 0\nS1 in out main.1\n", "x.sc"), HasSubstr("deck has clocks"));
 }
 
 TEST(SpiceReader, WhatItDoesNotKnowIsOneLineWithItsPlace) {

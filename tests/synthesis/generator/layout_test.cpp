@@ -273,7 +273,7 @@ TEST(LayoutSwitch, OneTimeConstantMakesBothDelays) {
 TEST(Timing, GlitchAndDetectorByHand) {
   const DisturbanceCircuit layout = make_layout(seed_disturbance());
   const Timing timing = make_timing(layout, {Hertz{5000}});
-  const double swing = layout.fast_opamp.swing_v;
+  const double swing = layout.other_opamps.at(0).swing_v;
   const double rh1 = layout.part_named("Rh1")->realised, rh2 = layout.part_named("Rh2")->realised;
   EXPECT_NEAR(timing.detector.threshold_v, swing * rh1 / (rh1 + rh2), 1e-12);
   // An op-amp much faster than the gap shows the bare charge: Rg/Rin Q/C.

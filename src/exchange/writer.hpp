@@ -71,13 +71,18 @@ struct Written {
 /// One format that other programs read.
 class Writer {
  public:
+  /// Endings of file names, with their points: ".s2p .ts".
+  Writer(std::string_view name, std::string_view endings, std::string_view what)
+      : name_(name), endings_(endings), what_(what) {}
   virtual ~Writer() = default;
-  virtual std::string_view name() const = 0;
-  /// Of file names, with their points: ".s2p .ts".
-  virtual std::string_view endings() const = 0;
-  virtual std::string_view what() const = 0;
+  std::string_view name() const { return name_; }
+  std::string_view endings() const { return endings_; }
+  std::string_view what() const { return what_; }
   /// InputError when the source lacks what the format holds.
   virtual Written write(const Exportable& from, const ExportOptions& options) const = 0;
+
+ private:
+  std::string_view name_, endings_, what_;
 };
 
 Registry<Writer>& writers();

@@ -95,14 +95,20 @@ struct Fault {
 /// A kind of fault: where on a board it can be. Each is an object in a file of kinds/.
 class FaultKind {
  public:
+  /// `what` is for a person; `prior` is the share of all faulty boards that have it, beforehand (normalised over the kinds a
+  /// board can have).
+  FaultKind(std::string_view name, std::string_view what, double prior)
+      : name_(name), what_(what), prior_(prior) {}
   virtual ~FaultKind() = default;
-  virtual std::string_view name() const = 0;
-  /// For a person.
-  virtual std::string_view what() const = 0;
-  /// Share of all faulty boards that have it, beforehand (normalised over the kinds a board can have).
-  virtual double prior() const = 0;
+  std::string_view name() const { return name_; }
+  std::string_view what() const { return what_; }
+  double prior() const { return prior_; }
   virtual std::vector<Fault> on_circuit(const CircuitBoard&) const { return {}; }
   virtual std::vector<Fault> on_plan(const PlanBoard&) const { return {}; }
+
+ private:
+  std::string_view name_, what_;
+  double prior_;
 };
 
 Registry<FaultKind>& fault_kind_registry();

@@ -7,19 +7,15 @@
 
 namespace bodesmith::hysteresis {
 
-BracketingInverse::BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max)
-    : forward_(std::move(forward)), u_min_(u_min), u_max_(u_max) {
-  u_ = u_min;
-  achieved_ = forward_->reset(u_);
-}
+SearchedInverse::SearchedInverse(std::unique_ptr<Operator> forward, double u_min, double u_max)
+    : forward_(std::move(forward)), u_min_(u_min), u_max_(u_max), u_(u_min), achieved_(forward_->reset(u_)) {}
 
-BracketingInverse::BracketingInverse(const BracketingInverse& other)
+SearchedInverse::SearchedInverse(const SearchedInverse& other)
     : Inverse(other),
       forward_(other.forward_->clone()),
       u_min_(other.u_min_),
       u_max_(other.u_max_),
       u_(other.u_),
-      stride_(other.stride_),
       achieved_(other.achieved_) {}
 
 double BracketingInverse::reset(double y) {
@@ -58,22 +54,6 @@ double BracketingInverse::step(double y, double dt_s) {
   achieved_ = forward_->step(u_, dt_s);
   return u_;
 }
-
-RecursiveInverse::RecursiveInverse(std::unique_ptr<Operator> forward, double delta_u, double u_min,
-                                   double u_max)
-    : forward_(std::move(forward)), delta_u_(delta_u), u_min_(u_min), u_max_(u_max) {
-  u_ = u_min;
-  achieved_ = forward_->reset(u_);
-}
-
-RecursiveInverse::RecursiveInverse(const RecursiveInverse& other)
-    : Inverse(other),
-      forward_(other.forward_->clone()),
-      delta_u_(other.delta_u_),
-      u_min_(other.u_min_),
-      u_max_(other.u_max_),
-      u_(other.u_),
-      achieved_(other.achieved_) {}
 
 double RecursiveInverse::reset(double y) {
   u_ = u_min_;

@@ -36,45 +36,47 @@ class Inverse {
   virtual double achieved() const = 0;
 };
 
-/// Works for every Operator whose output rises with its input: brackets the input from where it was by
-/// growing steps inside [u_min, u_max], then narrows on peek() (Alefeld, Potra and Shi, TOMS 748) down to the last bits.
-class BracketingInverse final : public Inverse {
+/// One that tries inputs in [u_min, u_max] on the operator itself.
+class SearchedInverse : public Inverse {
  public:
-  BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max);
-  BracketingInverse(const BracketingInverse& other);
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<BracketingInverse>(*this); }
-  double reset(double y) override;
-  double step(double y, double dt_s) override;
-  double achieved() const override { return achieved_; }
+  SearchedInverse(std::unique_ptr<Operator> forward, double u_min, double u_max);
+  SearchedInverse(const SearchedInverse& other);
+  double achieved() const final { return achieved_; }
 
- private:
+ protected:
   std::unique_ptr<Operator> forward_;
   double u_min_;
   double u_max_;
-  double u_ = 0.0;
+  double u_;
+  double achieved_;
+};
+
+/// Works for every Operator whose output rises with its input: brackets the input from where it was by
+/// growing steps inside [u_min, u_max], then narrows on peek() (Alefeld, Potra and Shi, TOMS 748) down to the last bits.
+class BracketingInverse final : public SearchedInverse {
+ public:
+  using SearchedInverse::SearchedInverse;
+  std::unique_ptr<Inverse> clone() const override { return std::make_unique<BracketingInverse>(*this); }
+  double reset(double y) override;
+  double step(double y, double dt_s) override;
+
+ private:
   double stride_ = 0.0;  ///< size of the last move, the first guess for the next
-  double achieved_ = 0.0;
 };
 
 /// The paper's recursive search (KP paper, eq. 13, 14): the input moves by delta_u until the output passes the
 /// reference, then the last two outputs are interpolated linearly. Slower and less exact than
 /// BracketingInverse; kept for the comparison. Gives up at [u_min, u_max].
-class RecursiveInverse final : public Inverse {
+class RecursiveInverse final : public SearchedInverse {
  public:
-  RecursiveInverse(std::unique_ptr<Operator> forward, double delta_u, double u_min, double u_max);
-  RecursiveInverse(const RecursiveInverse& other);
+  RecursiveInverse(std::unique_ptr<Operator> forward, double delta_u, double u_min, double u_max)
+      : SearchedInverse(std::move(forward), u_min, u_max), delta_u_(delta_u) {}
   std::unique_ptr<Inverse> clone() const override { return std::make_unique<RecursiveInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
-  double achieved() const override { return achieved_; }
 
  private:
-  std::unique_ptr<Operator> forward_;
   double delta_u_;
-  double u_min_;
-  double u_max_;
-  double u_ = 0.0;
-  double achieved_ = 0.0;
 };
 
 }  // namespace bodesmith::hysteresis

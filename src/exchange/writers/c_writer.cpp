@@ -20,9 +20,7 @@ std::string error_text(const DigitalFilter::Error& error) {
 
 class CWriter : public Writer {
  public:
-  std::string_view name() const override { return "c-biquads"; }
-  std::string_view endings() const override { return ".c .h"; }
-  std::string_view what() const override { return "digital biquads in C, at a sampling rate"; }
+  CWriter() : Writer("c-biquads", ".c .h", "digital biquads in C, at a sampling rate") {}
   Written write(const Exportable& from, const ExportOptions& options) const override {
     const Sections& sections = need_sections(from, *this);
     if (!(options.discretise.sample_hz > 0.0))

@@ -6,9 +6,7 @@ namespace {
 
 class LtspiceWriter : public Writer {
  public:
-  std::string_view name() const override { return "ltspice"; }
-  std::string_view endings() const override { return ".asc"; }
-  std::string_view what() const override { return "a circuit.json as a sheet of LTspice"; }
+  LtspiceWriter() : Writer("ltspice", ".asc", "a circuit.json as a sheet of LTspice") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     return {schematic::ltspice_sheet(need_circuit(from, *this), from.circuit_band, from.source),
             {"parts are joined by the names of their nets",

@@ -57,9 +57,7 @@ class MatOutput {
 
 class MatlabWriter : public Writer {
  public:
-  std::string_view name() const override { return "matlab"; }
-  std::string_view endings() const override { return ".mat"; }
-  std::string_view what() const override { return "MATLAB 5: z, p, k; f, H; t, u, y"; }
+  MatlabWriter() : Writer("matlab", ".mat", "MATLAB 5: z, p, k; f, H; t, u, y") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     MatOutput out;
     std::vector<std::string> said;

@@ -48,9 +48,7 @@ PwlPoints pwl_points(const Exportable& from, const Writer& writer, const ExportO
 
 class PwlWriter : public Writer {
  public:
-  std::string_view name() const override { return "pwl"; }
-  std::string_view endings() const override { return ".pwl .txt"; }
-  std::string_view what() const override { return "times and values for LTspice's PWL file="; }
+  PwlWriter() : Writer("pwl", ".pwl .txt", "times and values for LTspice's PWL file=") {}
   Written write(const Exportable& from, const ExportOptions& options) const override {
     PwlPoints points = pwl_points(from, *this, options);
     Written out;
@@ -63,9 +61,7 @@ class PwlWriter : public Writer {
 
 class SpiceSourceWriter : public Writer {
  public:
-  std::string_view name() const override { return "spice-source"; }
-  std::string_view endings() const override { return ".inc .lib"; }
-  std::string_view what() const override { return "a voltage source PWL(…) for any SPICE"; }
+  SpiceSourceWriter() : Writer("spice-source", ".inc .lib", "a voltage source PWL(…) for any SPICE") {}
   Written write(const Exportable& from, const ExportOptions& options) const override {
     PwlPoints points = pwl_points(from, *this, options);
     Written out;

@@ -21,9 +21,7 @@ std::string response_lines(std::string head, const FrequencyRecord& record, Numb
 /// Foreign files become frequency_hz,magnitude_db,phase_deg or time_s,u,y.
 class OwnCsvWriter : public Writer {
  public:
-  std::string_view name() const override { return "csv"; }
-  std::string_view endings() const override { return ".csv"; }
-  std::string_view what() const override { return "this program's CSV of a response or a record"; }
+  OwnCsvWriter() : Writer("csv", ".csv", "this program's CSV of a response or a record") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     CsvWriter csv;
     if (from.record) {
@@ -51,9 +49,7 @@ class OwnCsvWriter : public Writer {
 /// Frequency in Hz, level in dB, phase in degrees, as loudspeaker and room programs read it.
 class FrdWriter : public Writer {
  public:
-  std::string_view name() const override { return "frd"; }
-  std::string_view endings() const override { return ".frd"; }
-  std::string_view what() const override { return "frequency, dB, degrees"; }
+  FrdWriter() : Writer("frd", ".frd", "frequency, dB, degrees") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     const auto numbers = [](const Complex& h) {
       return fmt::format("{} {}", number_text(to_decibel(std::abs(h))), number_text(to_degrees(std::arg(h))));
@@ -68,9 +64,7 @@ class FrdWriter : public Writer {
 /// backwards, so that cascading in a microwave program multiplies responses.
 class TouchstoneWriter : public Writer {
  public:
-  std::string_view name() const override { return "touchstone"; }
-  std::string_view endings() const override { return ".s2p .ts"; }
-  std::string_view what() const override { return "Touchstone 1, S21 is the response"; }
+  TouchstoneWriter() : Writer("touchstone", ".s2p .ts", "Touchstone 1, S21 is the response") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     const auto numbers = [](const Complex& h) {
       return fmt::format("0 0 {} {} 0 0 0 0", number_text(h.real()), number_text(h.imag()));

@@ -117,6 +117,7 @@ Json script_data(const Exportable& from, const Sections& sections, const Complex
 /// Of the templates with its ending; both languages write complex numbers alike.
 class ScriptWriter : public Writer {
  protected:
+  using Writer::Writer;
   Written script(const Exportable& from, const std::string& said) const {
     const auto text = [](const Complex& c) {
       if (c.imag() == 0.0) return number_text(c.real());
@@ -133,11 +134,9 @@ class ScriptWriter : public Writer {
 
 class OctaveWriter : public ScriptWriter {
  public:
-  std::string_view name() const override { return "octave"; }
-  std::string_view endings() const override { return ".m"; }
-  std::string_view what() const override {
-    return "an Octave or MATLAB script that rebuilds sections, a linear model or an FPAA plan";
-  }
+  OctaveWriter()
+      : ScriptWriter("octave", ".m",
+                     "an Octave or MATLAB script that rebuilds sections, a linear model or an FPAA plan") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     return script(from,
                   "it compares itself with responses computed here and ends with an error where they differ");
@@ -146,11 +145,9 @@ class OctaveWriter : public ScriptWriter {
 
 class PythonWriter : public ScriptWriter {
  public:
-  std::string_view name() const override { return "python-control"; }
-  std::string_view endings() const override { return ".py"; }
-  std::string_view what() const override {
-    return "a script that rebuilds sections, a linear model or an FPAA plan with python-control";
-  }
+  PythonWriter()
+      : ScriptWriter("python-control", ".py",
+                     "a script that rebuilds sections, a linear model or an FPAA plan with python-control") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     return script(from, "run by itself it compares python-control's system with responses computed here");
   }

@@ -18,11 +18,8 @@ constexpr int kProducts = 5;  // of a biquad
 
 class VerilogWriter : public Writer {
  public:
-  std::string_view name() const override { return "verilog-biquads"; }
-  std::string_view endings() const override { return ".vh"; }
-  std::string_view what() const override {
-    return "digital biquads in fixed point for an FPGA, at a sampling rate";
-  }
+  VerilogWriter()
+      : Writer("verilog-biquads", ".vh", "digital biquads in fixed point for an FPGA, at a sampling rate") {}
   Written write(const Exportable& from, const ExportOptions& options) const override {
     const Sections& sections = need_sections(from, *this);
     if (!(options.discretise.sample_hz > 0.0))

@@ -62,38 +62,25 @@ std::vector<Fault> load_faults(const CircuitBoard& board, const Load& load) {
 }
 
 /// t = ln C: from more than a stray capacitance to a metre-long cable and far beyond.
-constexpr double kLeast_F = 10e-12;
-constexpr double kMost_F = 1e-6;
-
-class CapacitiveLoad : public FaultKind {
- public:
-  std::string_view name() const override { return "capacitive_load"; }
-  std::string_view what() const override {
-    return "a cable or probe whose capacitance loads the output or a node";
-  }
-  double prior() const override { return 0.06; }
-
+struct CapacitiveLoad : FaultKind {
+  CapacitiveLoad()
+      : FaultKind("capacitive_load", "a cable or probe whose capacitance loads the output or a node", 0.06) {}
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
-    return load_faults(board, {kLeast_F, kMost_F, false, " (a cable or probe)",
+    return load_faults(board, {10e-12, 1e-6, false, " (a cable or probe)",
                                "take what is connected to {} away, or put a buffer before it"});
   }
 };
 
 /// t = ln R: from little more than a solder bridge to a leak.
-constexpr double kLeast_Ohm = 1.0;
-constexpr double kMost_Ohm = 100e6;
-
-class ResistiveLoad : public FaultKind {
- public:
-  std::string_view name() const override { return "resistive_load"; }
-  std::string_view what() const override {
-    return "a resistance from the output or a node to ground: a terminated cable, a probe, a solder bridge";
-  }
-  double prior() const override { return 0.06; }
-
+struct ResistiveLoad : FaultKind {
+  ResistiveLoad()
+      : FaultKind(
+            "resistive_load",
+            "a resistance from the output or a node to ground: a terminated cable, a probe, a solder bridge",
+            0.06) {}
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
     return load_faults(board,
-                       {kLeast_Ohm, kMost_Ohm, true, "",
+                       {1.0, 100e6, true, "",
                         "take what loads {} away (cable, probe, solder bridge), or put a buffer before it"});
   }
 };
@@ -101,7 +88,6 @@ class ResistiveLoad : public FaultKind {
 }  // namespace
 
 BODESMITH_ENTRY(FaultKind, capacitive_load_fault, CapacitiveLoad)
-
 BODESMITH_ENTRY(FaultKind, resistive_load_fault, ResistiveLoad)
 
 }  // namespace bodesmith::faults

@@ -19,9 +19,8 @@ constexpr double kPicksUpLeast = 1e-5;
 
 class MissingGround : public FaultKind {
  public:
-  std::string_view name() const override { return "missing_ground"; }
-  std::string_view what() const override { return "a non-inverting input that is not connected to ground"; }
-  double prior() const override { return 0.06; }
+  MissingGround()
+      : FaultKind("missing_ground", "a non-inverting input that is not connected to ground", 0.06) {}
 
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
     std::vector<Fault> out;

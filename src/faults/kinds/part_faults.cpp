@@ -16,6 +16,7 @@ constexpr double kLargestFactor = 30.0;
 /// What may be wrong with every part by itself.
 class PartFault : public FaultKind {
  public:
+  using FaultKind::FaultKind;
   std::vector<Fault> on_circuit(const CircuitBoard& board) const final {
     std::vector<Fault> out;
     for (std::size_t i = 0; i < board.circuit().parts.size(); ++i)
@@ -39,9 +40,7 @@ class PartFault : public FaultKind {
 
 class ShortedPart : public PartFault {
  public:
-  std::string_view name() const override { return "short"; }
-  std::string_view what() const override { return "a part that is bridged"; }
-  double prior() const override { return 0.10; }
+  ShortedPart() : PartFault("short", "a part that is bridged", 0.10) {}
 
  private:
   void add(std::vector<Fault>& out, const CircuitBoard& board, std::size_t i,
@@ -58,9 +57,7 @@ class ShortedPart : public PartFault {
 
 class OpenPart : public PartFault {
  public:
-  std::string_view name() const override { return "open"; }
-  std::string_view what() const override { return "a part that is missing, broken or not soldered"; }
-  double prior() const override { return 0.12; }
+  OpenPart() : PartFault("open", "a part that is missing, broken or not soldered", 0.12) {}
 
  private:
   void add(std::vector<Fault>& out, const CircuitBoard& board, std::size_t i,
@@ -77,11 +74,9 @@ class OpenPart : public PartFault {
 
 class WrongDecade : public PartFault {
  public:
-  std::string_view name() const override { return "wrong_decade"; }
-  std::string_view what() const override {
-    return "a part of ten or a hundred times the value, or a tenth or hundredth";
-  }
-  double prior() const override { return 0.12; }
+  WrongDecade()
+      : PartFault("wrong_decade", "a part of ten or a hundred times the value, or a tenth or hundredth",
+                  0.12) {}
 
  private:
   void add(std::vector<Fault>& out, const CircuitBoard& board, std::size_t i,
@@ -98,9 +93,7 @@ class WrongDecade : public PartFault {
 
 class ValueOff : public PartFault {
  public:
-  std::string_view name() const override { return "value_off"; }
-  std::string_view what() const override { return "a part of another value"; }
-  double prior() const override { return 0.30; }
+  ValueOff() : PartFault("value_off", "a part of another value", 0.30) {}
 
  private:
   void add(std::vector<Fault>& out, const CircuitBoard& board, std::size_t i,

@@ -16,11 +16,9 @@ constexpr double kFastest = 0.4;
 
 class SlowOpAmp : public FaultKind {
  public:
-  std::string_view name() const override { return "opamp_too_slow"; }
-  std::string_view what() const override {
-    return "an op-amp (or all of them) of less gain-bandwidth, down to a dead one";
-  }
-  double prior() const override { return 0.08; }
+  SlowOpAmp()
+      : FaultKind("opamp_too_slow", "an op-amp (or all of them) of less gain-bandwidth, down to a dead one",
+                  0.08) {}
 
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
     std::vector<Fault> out;

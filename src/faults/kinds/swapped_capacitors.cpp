@@ -9,9 +9,8 @@ namespace {
 
 class SwappedCapacitors : public FaultKind {
  public:
-  std::string_view name() const override { return "swapped_capacitors"; }
-  std::string_view what() const override { return "two capacitors of one CAM in each other's place"; }
-  double prior() const override { return 0.15; }
+  SwappedCapacitors()
+      : FaultKind("swapped_capacitors", "two capacitors of one CAM in each other's place", 0.15) {}
 
   std::vector<Fault> on_plan(const PlanBoard& board) const override {
     std::vector<Fault> out;

@@ -17,9 +17,7 @@ bool are_neighbours(const schematic::Part& a, const schematic::Part& b) {
 
 class SwappedParts : public FaultKind {
  public:
-  std::string_view name() const override { return "swapped"; }
-  std::string_view what() const override { return "two neighbouring parts in each other's place"; }
-  double prior() const override { return 0.10; }
+  SwappedParts() : FaultKind("swapped", "two neighbouring parts in each other's place", 0.10) {}
 
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
     std::vector<Fault> out;

@@ -15,9 +15,7 @@ constexpr double kLeastUnits = 0.5;
 
 class WrongCapacitor : public FaultKind {
  public:
-  std::string_view name() const override { return "wrong_capacitor"; }
-  std::string_view what() const override { return "a capacitor of a CAM with another number of units"; }
-  double prior() const override { return 0.6; }
+  WrongCapacitor() : FaultKind("wrong_capacitor", "a capacitor of a CAM with another number of units", 0.6) {}
 
   std::vector<Fault> on_plan(const PlanBoard& board) const override {
     std::vector<Fault> out;

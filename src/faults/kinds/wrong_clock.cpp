@@ -14,11 +14,8 @@ constexpr double kFactors[] = {2.0, 0.5, 4.0, 0.25};
 
 class WrongClock : public FaultKind {
  public:
-  std::string_view name() const override { return "wrong_clock"; }
-  std::string_view what() const override {
-    return "a CAM on another clock, or a clock of a chip with another divisor";
-  }
-  double prior() const override { return 0.25; }
+  WrongClock()
+      : FaultKind("wrong_clock", "a CAM on another clock, or a clock of a chip with another divisor", 0.25) {}
 
   std::vector<Fault> on_plan(const PlanBoard& board) const override {
     const auto& nodes = board.graph().nodes;

@@ -33,18 +33,16 @@ int Plan::opamps() const {
 }
 
 std::string Plan::input_pin() const {
-  for (const Wire& wire : wires) {
-    const bool fed = std::ranges::any_of(wires, [&](const Wire& other) { return other.to == wire.from; });
-    if (!fed && WireEnd(wire.from).is_input_pin()) return wire.from;
-  }
+  for (const Wire& wire : wires)
+    if (std::ranges::find(wires, wire.from, &Wire::to) == wires.end() && WireEnd(wire.from).is_input_pin())
+      return wire.from;
   return {};
 }
 
 std::string Plan::output_pin() const {
-  for (const Wire& wire : wires) {
-    const bool read = std::ranges::any_of(wires, [&](const Wire& other) { return other.from == wire.to; });
-    if (!read && WireEnd(wire.to).is_output_pin()) return wire.to;
-  }
+  for (const Wire& wire : wires)
+    if (std::ranges::find(wires, wire.to, &Wire::from) == wires.end() && WireEnd(wire.to).is_output_pin())
+      return wire.to;
   return {};
 }
 

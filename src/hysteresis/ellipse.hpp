@@ -98,7 +98,6 @@ class EllipseInverse final : public Inverse {
   std::unique_ptr<Inverse> clone() const override { return std::make_unique<EllipseInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
-  double achieved() const override { return achieved_; }
 
  private:
   Ellipse model_;
@@ -106,7 +105,6 @@ class EllipseInverse final : public Inverse {
   WaveTracker start_;
   WaveTracker wave_;
   double y_ = 0.0;
-  double achieved_ = 0.0;
 };
 
 /// Sine through samples at a known frequency, by least squares: mean + amplitude · sin(2πft + phase).

@@ -35,7 +35,6 @@ class FractionalInverse final : public Inverse {
     achieved_ = forward_.step(u, dt_s);
     return u;
   }
-  double achieved() const override { return achieved_; }
 
  private:
   /// Numerator and denominator of F exchanged, with a lag and a resonance far above everything.
@@ -57,7 +56,6 @@ class FractionalInverse final : public Inverse {
   FractionalOperator forward_;
   FractionalOperator back_;
   double time_ = 0.0;
-  double achieved_ = 0.0;
 };
 
 class FractionalDynamicType final : public ShapedModelType<FractionalDynamic, FractionalOperator> {

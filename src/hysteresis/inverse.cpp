@@ -8,15 +8,16 @@
 namespace bodesmith::hysteresis {
 
 SearchedInverse::SearchedInverse(std::unique_ptr<Operator> forward, double u_min, double u_max)
-    : forward_(std::move(forward)), u_min_(u_min), u_max_(u_max), u_(u_min), achieved_(forward_->reset(u_)) {}
+    : forward_(std::move(forward)), u_min_(u_min), u_max_(u_max), u_(u_min) {
+  achieved_ = forward_->reset(u_);
+}
 
 SearchedInverse::SearchedInverse(const SearchedInverse& other)
     : Inverse(other),
       forward_(other.forward_->clone()),
       u_min_(other.u_min_),
       u_max_(other.u_max_),
-      u_(other.u_),
-      achieved_(other.achieved_) {}
+      u_(other.u_) {}
 
 double BracketingInverse::reset(double y) {
   // At rest the operator is a plain function of u.

@@ -33,7 +33,10 @@ class Inverse {
   /// The reference moves to y within dt_s seconds; returns the input at its end.
   virtual double step(double y, double dt_s) = 0;
   /// What the model puts out under the input returned last: the reference, unless that is out of reach.
-  virtual double achieved() const = 0;
+  virtual double achieved() const { return achieved_; }
+
+ protected:
+  double achieved_ = 0.0;
 };
 
 /// One that tries inputs in [u_min, u_max] on the operator itself.
@@ -41,14 +44,12 @@ class SearchedInverse : public Inverse {
  public:
   SearchedInverse(std::unique_ptr<Operator> forward, double u_min, double u_max);
   SearchedInverse(const SearchedInverse& other);
-  double achieved() const final { return achieved_; }
 
  protected:
   std::unique_ptr<Operator> forward_;
   double u_min_;
   double u_max_;
   double u_;
-  double achieved_;
 };
 
 /// Works for every Operator whose output rises with its input: brackets the input from where it was by

@@ -76,7 +76,6 @@ class KpRateInverse final : public Inverse {
   std::unique_ptr<Inverse> clone() const override { return std::make_unique<KpRateInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
-  double achieved() const override { return achieved_; }
 
  private:
   EverettInverse<KpEverett> slow_;  ///< static inverse of the reference: gives the slope
@@ -86,7 +85,6 @@ class KpRateInverse final : public Inverse {
   double a1_;
   double a2_;
   double slow_u_ = 0.0;
-  double achieved_ = 0.0;
 };
 
 Identified identify_krasnoselskii_pokrovskii(std::span<const TimeRecord> records,

@@ -116,13 +116,11 @@ class PolynomialInverse final : public Inverse {
   std::unique_ptr<Inverse> clone() const override { return std::make_unique<PolynomialInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
-  double achieved() const override { return achieved_; }
 
  private:
   PolynomialOperator forward_;
   double y_ = 0.0;
   bool rising_ = true;
-  double achieved_ = 0.0;
 };
 
 /// With cubics (polynomial_hysteresis) or half sines.

@@ -77,7 +77,6 @@ class PrandtlIshlinskiiInverse final : public Inverse {
   }
   double reset(double y) override;
   double step(double y, double dt_s) override;
-  double achieved() const override { return achieved_; }
 
  private:
   PrandtlIshlinskii model_;
@@ -85,7 +84,6 @@ class PrandtlIshlinskiiInverse final : public Inverse {
   std::vector<double> w_;                             ///< w'
   std::vector<double> z_;                             ///< z'
   std::optional<PrandtlIshlinskiiOperator> forward_;  ///< only with an envelope, which can run out of reach
-  double achieved_ = 0.0;
 };
 
 Identified identify_prandtl_ishlinskii(std::span<const TimeRecord> records, const IdentifyOptions& options);

@@ -1,5 +1,7 @@
 #include "schematic/plain_number.hpp"
 
+#include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "base/text.hpp"
@@ -7,15 +9,10 @@
 namespace bodesmith::schematic {
 
 bool spice_value(const std::string& text, double& value) {
-  size_t end = 0;
-  while (end < text.size() &&
-         (is_digit(text[end]) || text[end] == '.' || text[end] == '-' || text[end] == '+' ||
-          ((text[end] == 'e' || text[end] == 'E') && end + 1 < text.size() &&
-           (is_digit(text[end + 1]) || text[end + 1] == '-' || text[end + 1] == '+')))) {
-    ++end;
-  }
-  if (end == 0 || !parse_number(std::string_view(text).substr(0, end), value)) return false;
-  const std::string suffix = lower_case(std::string_view(text).substr(end));
+  const char* const last = text.data() + text.size();
+  const auto found = std::from_chars(text.data() + (text.starts_with('+') ? 1 : 0), last, value);
+  if (found.ec != std::errc() || !std::isfinite(value)) return false;
+  const std::string suffix = lower_case({found.ptr, last});
   static const std::pair<const char*, double> scales[] = {
       {"meg", 1e6}, {"mil", 25.4e-6}, {"t", 1e12}, {"g", 1e9},   {"k", 1e3},
       {"m", 1e-3},  {"u", 1e-6},      {"n", 1e-9}, {"p", 1e-12}, {"f", 1e-15}};

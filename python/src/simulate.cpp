@@ -157,7 +157,7 @@ Answer compensate_model(const Call& call) {
   json["timing_s"] = {{"compute", seconds}};
   for (const invert::OutOfReach& one : found.out_of_reach)
     out.warnings.push_back(std::to_string(one.samples) +
-                           " samples ask for more than the model can reach: " + one.why);
+                           " samples exceed what the model can reach: " + one.why);
   if (model.trained) {
     const auto [low, high] = std::minmax_element(reference.u.begin(), reference.u.end());
     for (const std::string& text : model.trained->beyond(extent, *low, *high))

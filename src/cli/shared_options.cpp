@@ -128,8 +128,7 @@ void add_mismatch_options(CommandLine& line) {
   line.option<double>("unit-capacitor-percent",
                       "FPAA, an assumption: standard deviation of one unit; n units have 1/sqrt(n) of it",
                       m.unit_percent);
-  line.option<double>("systematic-units",
-                      "FPAA, an assumption: what every capacitor has too much, in units (wiring)",
+  line.option<double>("systematic-units", "FPAA, an assumption: excess of every capacitor, in units (wiring)",
                       m.systematic_units);
 }
 
@@ -153,7 +152,7 @@ void add_opamp_options(CommandLine& line) {
   line.option<double>("opamp-bandwidth-hz",
                       "an assumption, for settling: gain-bandwidth product of an op-amp",
                       opamp.gain_bandwidth.value);
-  line.option<double>("opamp-gain", "an assumption: gain of an op-amp at DC", opamp.dc_gain);
+  line.option<double>("opamp-gain", "an assumption: DC gain of an op-amp", opamp.dc_gain);
 }
 
 schematic::OpAmpModel read_opamp_model(const CommandLine& line) {
@@ -191,7 +190,7 @@ constexpr double kPeriods = 3.0;
 
 void add_reference_options(CommandLine& line, UsualLength usual) {
   const bool periods = usual == UsualLength::periods;
-  line.option<double>("frequency-hz", "of the reference; of a chirp's or multisine's lowest end", 1.0);
+  line.option<double>("frequency-hz", "frequency of the reference; lowest one of a chirp or multisine", 1.0);
   line.option<double>("last-hz", "highest frequency of a chirp or multisine", 100.0);
   line.option<double>("amplitude", "half the height of the reference", 0.5);
   line.option<double>("offset", "middle of the reference (default: the amplitude, so that it starts at 0)");

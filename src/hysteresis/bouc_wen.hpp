@@ -30,10 +30,9 @@ struct BoucWen {
   double advance(double z, double du) const;
 };
 
-class BoucWenOperator final : public Operator {
+class BoucWenOperator final : public Cloned<BoucWenOperator, Operator> {
  public:
   explicit BoucWenOperator(BoucWen model) : model_(model) { reset(0.0); }
-  std::unique_ptr<Operator> clone() const override { return std::make_unique<BoucWenOperator>(*this); }
   double reset(double u) override {
     u_ = u;
     z_ = model_.z_0;

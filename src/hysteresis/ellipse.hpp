@@ -75,10 +75,9 @@ class WaveTracker {
   double turn_time_ = 0.0;
 };
 
-class EllipseOperator final : public Operator {
+class EllipseOperator final : public Cloned<EllipseOperator, Operator> {
  public:
   explicit EllipseOperator(Ellipse model);
-  std::unique_ptr<Operator> clone() const override { return std::make_unique<EllipseOperator>(*this); }
   double reset(double u) override;
   double step(double u, double dt_s) override;
   double peek(double u, double dt_s) const override;
@@ -92,10 +91,9 @@ class EllipseOperator final : public Operator {
   double u_ = 0.0;
 };
 
-class EllipseInverse final : public Inverse {
+class EllipseInverse final : public Cloned<EllipseInverse, Inverse> {
  public:
   explicit EllipseInverse(Ellipse model);
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<EllipseInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
 

@@ -52,10 +52,9 @@ struct ExponentialOperators {
   }
 };
 
-class ExponentialOperator final : public Operator {
+class ExponentialOperator final : public Cloned<ExponentialOperator, Operator> {
  public:
   explicit ExponentialOperator(ExponentialOperators model);
-  std::unique_ptr<Operator> clone() const override { return std::make_unique<ExponentialOperator>(*this); }
   double reset(double u) override;
   double step(double u, double) override { return loops_.step(u); }
   double peek(double u, double) const override { return loops_.peek(u); }
@@ -66,11 +65,10 @@ class ExponentialOperator final : public Operator {
   friend class ExponentialInverse;
 };
 
-class ExponentialInverse final : public Inverse {
+class ExponentialInverse final : public Cloned<ExponentialInverse, Inverse> {
  public:
   /// Throws DesignError when g falls somewhere.
   explicit ExponentialInverse(ExponentialOperators model);
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<ExponentialInverse>(*this); }
   double reset(double y) override;
   double step(double y, double) override { return forward_.loops_.invert(y); }
   double achieved() const override { return forward_.loops_.y(); }

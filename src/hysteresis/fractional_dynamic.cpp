@@ -18,11 +18,10 @@ Complex power(Complex s, double exponent) {
 }
 
 /// F⁻¹ over the static gain, and the whole model alongside it to say what comes out.
-class FractionalInverse final : public Inverse {
+class FractionalInverse final : public Cloned<FractionalInverse, Inverse> {
  public:
   explicit FractionalInverse(const FractionalDynamic& model)
       : model_(model), forward_(model), back_(inverse_of(model)) {}
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<FractionalInverse>(*this); }
   double reset(double y) override {
     time_ = 0.0;
     const double u = back_.reset(y - model_.delta);

@@ -61,10 +61,9 @@ struct LagSpread {
   Complex response(Complex s) const;
 };
 
-class FractionalOperator final : public Operator {
+class FractionalOperator final : public Cloned<FractionalOperator, Operator> {
  public:
   explicit FractionalOperator(const FractionalDynamic& model);
-  std::unique_ptr<Operator> clone() const override { return std::make_unique<FractionalOperator>(*this); }
   double reset(double u) override;
   double step(double u, double dt_s) override;
   double peek(double u, double dt_s) const override;

@@ -39,6 +39,15 @@ class Inverse {
   double achieved_ = 0.0;
 };
 
+/// clone() of an operator or inverse by its own copy constructor.
+template <class Derived, class Base>
+class Cloned : public Base {
+ public:
+  std::unique_ptr<Base> clone() const override {
+    return std::make_unique<Derived>(static_cast<const Derived&>(*this));
+  }
+};
+
 /// One that tries inputs in [u_min, u_max] on the operator itself.
 class SearchedInverse : public Inverse {
  public:

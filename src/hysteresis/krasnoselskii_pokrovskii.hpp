@@ -51,10 +51,9 @@ struct KrasnoselskiiPokrovskii {
   static KrasnoselskiiPokrovskii from(const Parameters& values);
 };
 
-class KpOperator final : public Operator {
+class KpOperator final : public Cloned<KpOperator, Operator> {
  public:
   explicit KpOperator(const KrasnoselskiiPokrovskii& model);
-  std::unique_ptr<Operator> clone() const override { return std::make_unique<KpOperator>(*this); }
   double reset(double u) override;
   double step(double u, double dt_s) override;
   double peek(double u, double dt_s) const override;
@@ -70,10 +69,9 @@ class KpOperator final : public Operator {
 };
 
 /// See above.
-class KpRateInverse final : public Inverse {
+class KpRateInverse final : public Cloned<KpRateInverse, Inverse> {
  public:
   explicit KpRateInverse(const KrasnoselskiiPokrovskii& model);
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<KpRateInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
 

@@ -88,10 +88,9 @@ struct PolynomialDisturbance {
   std::array<double, 2> rising_part(bool rising) const;
 };
 
-class PolynomialOperator final : public Operator {
+class PolynomialOperator final : public Cloned<PolynomialOperator, Operator> {
  public:
   explicit PolynomialOperator(PolynomialDisturbance model);
-  std::unique_ptr<Operator> clone() const override { return std::make_unique<PolynomialOperator>(*this); }
   double reset(double u) override;
   double step(double u, double dt_s) override;
   double peek(double u, double dt_s) const override;
@@ -109,11 +108,10 @@ class PolynomialOperator final : public Operator {
   friend class PolynomialInverse;
 };
 
-class PolynomialInverse final : public Inverse {
+class PolynomialInverse final : public Cloned<PolynomialInverse, Inverse> {
  public:
   /// Throws DesignError when a branch falls somewhere on [0, 1].
   explicit PolynomialInverse(PolynomialDisturbance model);
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<PolynomialInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
 

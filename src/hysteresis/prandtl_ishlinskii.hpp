@@ -44,12 +44,9 @@ struct PrandtlIshlinskii {
 /// The words of `start` in model.toml.
 std::string_view to_string(PrandtlIshlinskii::Start start);
 
-class PrandtlIshlinskiiOperator final : public Operator {
+class PrandtlIshlinskiiOperator final : public Cloned<PrandtlIshlinskiiOperator, Operator> {
  public:
   explicit PrandtlIshlinskiiOperator(PrandtlIshlinskii model);
-  std::unique_ptr<Operator> clone() const override {
-    return std::make_unique<PrandtlIshlinskiiOperator>(*this);
-  }
   double reset(double u) override;
   double step(double u, double dt_s) override;
   double peek(double u, double dt_s) const override;
@@ -69,12 +66,9 @@ class PrandtlIshlinskiiOperator final : public Operator {
   std::vector<DeadZone> above_, below_;  ///< 0
 };
 
-class PrandtlIshlinskiiInverse final : public Inverse {
+class PrandtlIshlinskiiInverse final : public Cloned<PrandtlIshlinskiiInverse, Inverse> {
  public:
   explicit PrandtlIshlinskiiInverse(PrandtlIshlinskii model);
-  std::unique_ptr<Inverse> clone() const override {
-    return std::make_unique<PrandtlIshlinskiiInverse>(*this);
-  }
   double reset(double y) override;
   double step(double y, double dt_s) override;
 

@@ -131,13 +131,12 @@ struct Preisach {
 };
 
 template <class Rule>
-class EverettOperator final : public Operator {
+class EverettOperator final : public Cloned<EverettOperator<Rule>, Operator> {
  public:
   EverettOperator(Rule rule, double u_min, double offset)
       : loops_(std::move(rule), 4096), u_min_(u_min), offset_(offset) {
     reset(u_min);
   }
-  std::unique_ptr<Operator> clone() const override { return std::make_unique<EverettOperator>(*this); }
   double reset(double u) override {
     loops_.start(u_min_, offset_, 1);
     return step(u, 0.0);
@@ -163,11 +162,10 @@ class EverettOperator final : public Operator {
 };
 
 template <class Rule>
-class EverettInverse final : public Inverse {
+class EverettInverse final : public Cloned<EverettInverse<Rule>, Inverse> {
  public:
   EverettInverse(EverettOperator<Rule> forward, double u_min, double y_min, double y_max)
       : forward_(std::move(forward)), u_min_(u_min), y_min_(y_min), y_max_(y_max) {}
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<EverettInverse>(*this); }
   double reset(double y) override {
     forward_.reset(u_min_);
     return step(y, 0.0);

@@ -81,7 +81,7 @@ Project::Circuit read_circuit(const Node& node) {
 Project::Limits read_limits(const Node& node, bool stage) {
   if (stage && node.has("yield_db"))
     node.at("yield_db")
-        .fail("is for projects without a disturbance; here controller/trim.md says what parts do");
+        .fail("is for projects without a disturbance; here controller/trim.md has the effect of the parts");
   for (const char* key : {"tracking_percent", "agreement_percent"}) {
     if (!stage && node.has(key)) node.at(key).fail("is for projects with a disturbance, which track");
   }

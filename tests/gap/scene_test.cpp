@@ -57,7 +57,7 @@ TimeRecord staircase(unsigned seed) {
   return r;
 }
 
-TEST(BeyondBand, isFilledWhereTheDriveIsSlow) {
+TEST(BeyondBand, IsFilledWhereTheDriveIsSlow) {
   gap::Scene scene;
   scene.top_hz = 1000.0;
   scene.band_hz = 0.1;
@@ -69,7 +69,7 @@ TEST(BeyondBand, isFilledWhereTheDriveIsSlow) {
   EXPECT_TRUE(scene.beyond_band_hz(30.0, 2).empty());
 }
 
-TEST(BeyondBand, lagIsNoDelay) {
+TEST(BeyondBand, LagIsNoDelay) {
   const auto d =
       gap::diagnose(chain_of_a_line(), gap::Study::of({staircase(1)}, {staircase(2)}, chain_of_a_line()), {});
   ASSERT_EQ(d.steps.size(), 2U);

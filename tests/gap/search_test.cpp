@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Search, TwoEffects,
                                          std::vector<std::string>{"mains_hum", "saturation"}),
                          [](const auto& test) { return test.param[0] + "_first"; });
 
-TEST(Search, isTheSameOnOneThreadAndOnTwo) {
+TEST(Search, IsTheSameOnOneThreadAndOnTwo) {
   const auto c = make(Kind::effect, "gain", {"dead_zone"}, 5);
   const auto one = solve(c, {.threads = 1});
   const auto two = solve(c, {.threads = 2});
@@ -101,7 +101,7 @@ TEST(Search, isTheSameOnOneThreadAndOnTwo) {
   EXPECT_EQ(one.closure, two.closure);
 }
 
-TEST(Search, keepsWhatItHasWhenStopped) {
+TEST(Search, KeepsWhatItHasWhenStopped) {
   const auto c = make(Kind::effect, "gain", {"saturation"}, 6);
   const auto chain = chain::model_from_node(parse_toml(c.model, "model.toml"));
   gap::TimeExperiment train(c.train[0]);
@@ -114,7 +114,7 @@ TEST(Search, keepsWhatItHasWhenStopped) {
 }
 
 // What diagnosis.json claims is what simulate finds with the model that is written.
-TEST(Diagnosis, claimsEqualRecomputation) {
+TEST(Diagnosis, ClaimsEqualRecomputation) {
   const auto c = make(Kind::effect, "resonator", {"saturation"}, 7);
   const auto base = chain::model_from_node(parse_toml(c.model, "model.toml"));
   const auto study = gap::Study::of(c.train, c.holdout, base);

@@ -100,7 +100,7 @@ TEST(RecordFindings, SayTransientsDelaysAndSingleFrequencies) {
 }
 
 // What diagnose may refit: a delay beside a model whose own numbers stay leaves the size free all the same.
-TEST(IdentifiedModel, LeavesTheSizeFreeBesideADelay) {
+TEST(IdentifiedModel, LeavesTheSizeFreeWithADelay) {
   const TimeRecord record = disturbed_record(0.0, 3.2e-3);
   StageFit fit;
   fit.stage.delay_s = 3.2e-3;

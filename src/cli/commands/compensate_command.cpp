@@ -140,7 +140,7 @@ std::string DriveStatement::text() const {
 
 void DriveStatement::warn() const {
   for (const invert::OutOfReach& one : found.out_of_reach)
-    note(fmt::format("warning: {} of {} samples ask for more than the model can reach: {} ({} s to {} s)",
+    note(fmt::format("warning: {} of {} samples exceed what the model can reach: {} ({} s to {} s)",
                      one.samples, reference.size(), one.why, rounded_text(one.from_s),
                      rounded_text(one.to_s)));
   if (!model.trained) return;
@@ -168,9 +168,8 @@ void describe_compensate(CommandLine& line) {
   line.words("start", {"equilibrium", "zero"});
   line.option<double>("lower", "lowest drive");
   line.option<double>("upper", "highest drive");
-  line.option<double>("max-rate", "fastest change of the drive a second");
-  line.option<double>("bandwidth-hz",
-                      "the drive holds nothing above it (but for what the limits make of it)");
+  line.option<double>("max-rate", "largest slew rate of the drive, per second");
+  line.option<double>("bandwidth-hz", "no component of the drive above this (except what the limits add)");
   line.option<double>("skip-s",
                       "seconds at the start that the stated error does not count (default: all but the last "
                       "period of a reference that repeats, otherwise the start alone)");

@@ -152,8 +152,8 @@ int run_completion(const std::vector<std::string>& arguments) {
   if (!line.parse(arguments)) return kDone;
   const std::string shell = line.files()[0];
   if (std::ranges::find(shells(), shell) == shells().end())
-    line.fail(fmt::format("'{}' is not a shell that is known{}, expected {}", shell,
-                          did_you_mean(shell, shells()), join(shells(), ", ")));
+    line.fail(fmt::format("'{}' is no known shell{}, expected {}", shell, did_you_mean(shell, shells()),
+                          join(shells(), ", ")));
   const std::string text = render_template("completion/bodesmith." + shell, completion_data());
   if (!line.has("output")) {
     fmt::print("{}", text);

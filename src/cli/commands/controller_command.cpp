@@ -31,7 +31,7 @@ void declare_controller(CommandLine& line) {
   line.option<std::string>("waveform", "reference: triangle, sine, two_tone or decaying_triangle",
                            "triangle");
   line.words("waveform", {"triangle", "sine", "two_tone", "decaying_triangle"});
-  line.option<double>("amplitude", "of the reference, of the full stroke", 1.0);
+  line.option<double>("amplitude", "amplitude of the reference as a share of the full stroke", 1.0);
   add_load_option(line);
   line.flag("full-stroke", "leave the amplitude gains out: a smaller circuit, for full strokes only");
   line.flag("constant", "leave the rate gains out: the constant polynomial");

@@ -22,13 +22,13 @@ void declare_design(CommandLine& line) {
   line.positional("lowpass|highpass|bandpass|bandstop|peaking|low-shelf|high-shelf|delay", 1, 1);
   line.option<std::string>("family", filters::family_registry().names(), "butterworth");
   line.words("family", filters::family_registry().name_list());
-  line.option<int>("order", "of the low-pass prototype (a band filter has twice as many poles)");
+  line.option<int>("order", "order of the low-pass prototype (a band filter has twice as many poles)");
   line.option<double>("corner-hz", "low pass, high pass, shelf: the corner; peaking: the centre");
   line.band("band pass, band stop: lower corner", "upper corner");
   line.option<double>("ripple-db", "largest attenuation in the pass band", 0.5);
   line.option<double>("stop-db", "least attenuation in the stop band", 60.0);
   line.option<double>("gain-db", "peaking and shelves: gain at the centre or end");
-  line.option<double>("q", "peaking: quality", 1.0);
+  line.option<double>("q", "peaking: quality factor", 1.0);
   line.option<double>("delay-s", "delay: the group delay of the all-pass");
   line.group("Instead of --order and corners: the least order that keeps --ripple-db and --stop-db between");
   line.option<double>("pass-hz", "low pass, high pass: edge of the pass band");

@@ -34,7 +34,7 @@ void declare_drive(CommandLine& line) {
   line.group("The drive of experiment.csv (what is not said is taken from the training records)");
   line.option<double>("drive-lower", "least value of the drive");
   line.option<double>("drive-upper", "largest value");
-  line.option<double>("drive-max-rate", "largest rate of change, a second");
+  line.option<double>("drive-max-rate", "largest slew rate, per second");
   line.option<double>("drive-seconds", "length");
   line.option<double>("drive-step-s", "time between samples");
 }
@@ -142,7 +142,7 @@ int run_diagnose(const std::vector<std::string>& arguments) {
   line.option<int>("max-terms", "largest number of effects to name", 5);
   line.option<double>(
       "max-seconds",
-      "time after which the best so far is kept and nothing new is begun (by default of the processor, so that "
+      "time after which the best so far is kept and nothing new is started (by default of the processor, so that "
       "a busy machine finds the same)",
       60.0);
   line.option<int>("threads", "threads of the search (the result does not depend on it)", 2);

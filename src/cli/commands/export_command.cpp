@@ -198,9 +198,10 @@ int run_export(const std::vector<std::string>& arguments) {
   line.words("method", {"tustin", "matched"});
   line.option<double>("prewarp-hz", "tustin: exact here (default: every section at its own corner)");
   line.flag("float", "digital biquads in single precision");
-  line.option<int>("bits", "of a fixed-point coefficient (verilog-biquads)", 18);
-  line.option<int>("multipliers", "of the FPGA, each a product a clock (verilog-biquads)", 1);
-  line.option<double>("fpga-clock-hz", "its clock (verilog-biquads)", 40e6);
+  line.option<int>("bits", "bits of a fixed-point coefficient (verilog-biquads)", 18);
+  line.option<int>("multipliers",
+                   "multipliers of the FPGA, one product per clock cycle each (verilog-biquads)", 1);
+  line.option<double>("fpga-clock-hz", "clock of the FPGA (verilog-biquads)", 40e6);
   line.output("file to write");
   line.reads_measurements();
   if (!line.parse(arguments)) return kDone;

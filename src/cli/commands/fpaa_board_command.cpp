@@ -163,13 +163,13 @@ int run_fpaa_check(const std::vector<std::string>& arguments) {
 int run_fpaa_send(const std::vector<std::string>& arguments) {
   CommandLine line(
       "fpaa send", "bodesmith fpaa send out/streams/packets.bin --port /dev/ttyUSB0",
-      "Sends board packets over a serial port (57600 8N1): asks who and how many chips the board is, sends,\n"
+      "Sends board packets over a serial port (57600 8N1): asks the board for its identity and number of chips, sends,\n"
       "and asks for the status after each packet.");
   line.positional("PACKETS.bin", 1, 1);
   line.option<std::string>("port", "serial device");
   line.flag("dry-run", "decode and show the packets, send nothing");
-  line.option<double>("timeout-s", "longest wait for a byte of an answer", 1.0);
-  line.option<int>("retries", "how often a question is asked again", 3);
+  line.option<double>("timeout-s", "longest wait for a byte of a reply", 1.0);
+  line.option<int>("retries", "retries of a query", 3);
   if (!line.parse(arguments)) return kDone;
   const bool dry = line.has("dry-run");
   if (!dry && !line.has("port")) line.fail("--port is missing, expected the serial device (or --dry-run)");

@@ -23,8 +23,7 @@ void declare_trim(CommandLine& line) {
   line.positional("PLAN.json", 1, 1);
   line.output("folder for the new plan.json, its build sheet, trim.json and the update streams");
   line.option<std::string>("measured", "CSV: frequency_hz, magnitude_db (or gain), phase_deg where measured");
-  line.option<std::string>("sections",
-                           "what the board shall do (default: what the plan does with exact capacitors)");
+  line.option<std::string>("sections", "target of the board (default: the plan with exact capacitors)");
   line.option<std::string>(
       "target",
       "plan.json whose response with exact capacitors is wanted, when the board was trimmed "

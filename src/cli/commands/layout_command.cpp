@@ -36,8 +36,8 @@ void declare_layout(CommandLine& line) {
       "switch-ohm",
       "on-resistance of the branch switch; default of this and the next four: typical values of an "
       "ADG413 (up to two branches) or an ADG408, assumed");
-  line.option<double>("switch-delay-s", "from the control to the new contact");
-  line.option<double>("switch-gap-s", "break before make: both contacts open");
+  line.option<double>("switch-delay-s", "delay from the control to the closing of the new contact");
+  line.option<double>("switch-gap-s", "break-before-make time: both contacts open");
   line.option<double>("switch-charge-c", "charge that an opening contact injects");
   line.option<double>("switch-drain-f", "capacitance of the common node for each contact");
   line.option<double>("full-scale-v", "largest voltage at any node but the output", defaults.full_scale_v);

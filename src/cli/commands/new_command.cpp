@@ -26,7 +26,7 @@ void declare_new(CommandLine& line) {
   line.option<std::string>("kind", join(kind_names(), ", ") + " (asked for at a terminal when left out)");
   line.words("kind", kind_names());
   line.option<std::string>("name", "of the project (default: the folder's)");
-  line.option<std::string>("points", "own points instead of an example's (filter, nanopositioner)");
+  line.option<std::string>("points", "your points instead of the example's (filter, nanopositioner)");
   line.option<std::string>("hardware", "circuit, fpaa or both", "circuit");
   line.words("hardware", {"circuit", "fpaa", "both"});
   line.group("filter");
@@ -40,14 +40,15 @@ void declare_new(CommandLine& line) {
   line.option<double>("from-hz", "lower end of its band", 0.1);
   line.option<double>("to-hz", "upper end of its band", 1000.0);
   line.group("nanopositioner");
-  line.option<std::string>("disturbance", "own disturbance.json instead of an example's");
-  line.list<std::string>("records",
-                         "own records of the stage, full strokes at several frequencies, instead of both");
+  line.option<std::string>("disturbance", "your disturbance.json instead of the example's");
+  line.list<std::string>(
+      "records",
+      "your records of the stage, full strokes at several frequencies, instead of points and disturbance");
   line.option<double>("stroke-m", "full stroke of the stage", 6.92e-6);
   line.list<double>("track-hz", "frequencies to follow (default: 1 10 100)");
   line.group("diagnosis");
-  line.option<std::string>("data", "own record (time_s,u,y) instead of an example's");
-  line.option<std::string>("holdout", "another one");
+  line.option<std::string>("data", "your record (time_s,u,y) instead of the example's");
+  line.option<std::string>("holdout", "your record that is not fitted");
 }
 
 std::string kind_wanted(const CommandLine& line, const Answers& answers) {

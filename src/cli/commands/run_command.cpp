@@ -49,7 +49,7 @@ int run_run(const std::vector<std::string>& arguments) {
       "from its target to sections, board, circuit and tolerances. Exit status 1 when a limit of the project is not met.\n"
       "With --sweep a table of variants (each changes keys of the project) becomes a folder each and one table,\n"
       "sweep.csv; under `mpirun -n N` the processes share them.\n"
-      "With --measured the hardware that was built from -o is held against its prediction: which part is wrong, and next/.");
+      "With --measured the hardware that was built from -o is compared with its prediction: which part is wrong, and next/.");
   line.positional("PROJECT.toml", 1, 1);
   line.output("folder for every output file");
   line.option<std::string>("sweep",
@@ -62,7 +62,7 @@ int run_run(const std::vector<std::string>& arguments) {
   line.option<double>(
       "max-seconds",
       "time after which what the design itself does not need (tolerances, other stages, other alternatives'\n"
-      "hardware) is left out, and said; not with --sweep");
+      "hardware) is left out and reported; not with --sweep");
   if (!line.parse(arguments)) return kDone;
   if (line.has("sweep") && line.has("max-seconds")) line.fail("--max-seconds does not go with --sweep");
   if (line.has("sweep") && line.has("measured")) line.fail("--measured does not go with --sweep");

@@ -32,8 +32,9 @@ void declare_tune(CommandLine& line) {
   line.group("What the plant may be besides (a measured one: 2 standard deviations of its fit)");
   line.option<double>("sigmas", "standard deviations by which each fitted parameter is moved, up and down",
                       2.0);
-  line.option<double>("gain-tolerance-percent", "its gain is so much higher or lower", 0.0);
-  line.option<double>("frequency-tolerance-percent", "all its corners are so much higher or lower", 0.0);
+  line.option<double>("gain-tolerance-percent", "tolerance of the plant's gain, up and down", 0.0);
+  line.option<double>("frequency-tolerance-percent", "tolerance of all its corner frequencies, up and down",
+                      0.0);
   line.seed();
 }
 

@@ -101,7 +101,7 @@ std::string study_margins(const CommandLine& line, const tolerance::Design& desi
 void declare_yield(CommandLine& line) {
   line.positional("SECTIONS.json|circuit.json|NETLIST.sub|PLAN.json…", 1, -1);
   line.flag("in-series", "the SECTIONS.json one after the other as one design (default: designs to compare)");
-  line.output("yield.json (percentiles a frequency, ranking of the parts, what to buy)", true);
+  line.output("yield.json (percentiles per frequency, ranking of the parts, what to buy)", true);
   line.seed();
   const tolerance::Spread s;
   line.option<std::uint64_t>("samples", "number of circuits drawn", 100000);
@@ -115,8 +115,10 @@ void declare_yield(CommandLine& line) {
   line.option<double>("capacitor-percent", "tolerance of the capacitors", s.capacitor_percent);
   add_mismatch_options(line);
   line.option<std::string>("sections", "FPAA: deviations of the board as it runs from these sections");
-  line.option<double>("temperature-low-c", "every circuit is at a temperature from here", 25.0);
-  line.option<double>("temperature-high-c", "to here; 25 is neutral", 25.0);
+  line.option<double>("temperature-low-c", "lowest temperature; each circuit drawn is at one of its own",
+                      25.0);
+  line.option<double>("temperature-high-c", "highest temperature; parts have their nominal values at 25",
+                      25.0);
   line.option<double>("resistor-ppm", "temperature coefficient, +- ppm/K", s.resistor_ppm_per_k);
   line.option<double>("capacitor-ppm", "temperature coefficient, +- ppm/K", s.capacitor_ppm_per_k);
   line.option<int>("count", "number of frequencies, evenly spaced in log frequency", 60);

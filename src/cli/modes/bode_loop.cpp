@@ -169,7 +169,7 @@ std::string time_response_csv(const CommandLine& line, const std::vector<BodeRes
     csv.add(stem + "_step", r.step);
     csv.add(stem + "_impulse_per_s", r.impulse);
     if (r.direct != 0.0)
-      note(fmt::format("{}: the impulse's answer also has a Dirac of weight {} at {} s", stem,
+      note(fmt::format("{}: the impulse response also has a Dirac impulse of weight {} at {} s", stem,
                        rounded_text(r.direct, 6), rounded_text(response.source.sections->delay_s)));
     if (r.figures) {
       note(fmt::format("{}: step to {}, rise {} (10 to 90 %), overshoot {} %, within 2 % after {}", stem,
@@ -196,8 +196,8 @@ void add_loop_options(CommandLine& line) {
   line.option<std::string>("nichols-svg", "draw dB over degrees of the open loop into this file");
   line.option<std::string>("time-response", "write step and impulse responses of sections into this CSV");
   line.option<double>("duration-s",
-                      "of --time-response (default: until the slowest pole has fallen to 1e-3)");
-  line.option<int>("samples", "of --time-response", 501);
+                      "length of --time-response (default: until the slowest mode has decayed to 1e-3)");
+  line.option<int>("samples", "number of samples of --time-response", 501);
 }
 
 ResponseSource series_of(const std::vector<ResponseSource>& sources) {

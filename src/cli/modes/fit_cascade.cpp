@@ -80,7 +80,7 @@ void add_cascade_options(CommandLine& line) {
   line.list<double>("term-beta-max", "a bound for every term instead (c_i of eq. 19), in their order");
   line.option<std::string>("corners", "a cascade.json whose lambda and x are taken; the orders are fitted");
   line.option<int>("fit-corners",
-                   "so many terms whose lambda and x are fitted too (three points each at least)");
+                   "number of terms whose lambda and x are fitted too (at least three points each)");
   line.flag("beta-positive", "with a bound: 0 <= beta, as eq. 19 prints it (cannot follow a dip)");
   line.flag("fewest-bands", "with --max-error-db: the fewest bands that keep every point within it");
   line.flag("allow-large-orders",

@@ -78,7 +78,7 @@ void add_direct_options(CommandLine& line) {
   line.option<std::string>("upper", "CSV of Bode points the gain must stay below");
   line.option<std::string>("lower", "CSV of Bode points the gain must stay above");
   line.option<double>("max-seconds",
-                      "time after which a direct fit begins nothing new and keeps the best so far");
+                      "time after which a direct fit starts nothing new and keeps the best so far");
   line.option<double>("least-damping", "smallest damping ratio of complex poles and zeros", 0.05);
 }
 

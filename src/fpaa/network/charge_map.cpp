@@ -2,33 +2,17 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <numeric>
 
 #include "base/error.hpp"
 #include "fpaa/network/switched_network.hpp"
 #include "numeric/linear_algebra/dense.hpp"
+#include "schematic/analysis/sets.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-/// Which nodes are joined.
-class JoinedNodes {
- public:
-  explicit JoinedNodes(int nodes) : parent_(static_cast<std::size_t>(nodes)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int group(int node) const {
-    while (parent_[static_cast<std::size_t>(node)] != node) node = parent_[static_cast<std::size_t>(node)];
-    return node;
-  }
-  void join(int a, int b) { parent_[static_cast<std::size_t>(group(a))] = group(b); }
-
- private:
-  std::vector<int> parent_;
-};
 
 /// What decides the voltage of a group.
 struct GroupHold {
@@ -74,7 +58,7 @@ class MapMaker {
   MapMaker(const SwitchedNetwork& network, const std::vector<bool>& closed)
       : network_(network),
         closed_(closed),
-        joined_(network.nodes),
+        joined_(static_cast<std::size_t>(network.nodes)),
         capacitance_(capacitance_matrix(network)) {
     for (std::size_t i = 0; i < network.switches.size(); ++i) {
       if (closed[i]) joined_.join(network.switches[i].a, network.switches[i].b);
@@ -91,7 +75,7 @@ class MapMaker {
   }
 
  private:
-  GroupHold& hold_of(int node) { return holds_[static_cast<std::size_t>(joined_.group(node))]; }
+  GroupHold& hold_of(int node) { return holds_[static_cast<std::size_t>(joined_.of(node))]; }
 
   void find_holds() {
     hold_of(0).ground = true;
@@ -115,19 +99,19 @@ class MapMaker {
     std::vector<bool> has_capacitor(holds_.size(), false);
     for (const SwitchedNetwork::Capacitor& c : network_.capacitors) {
       if (!(c.size > 0.0)) continue;
-      has_capacitor[static_cast<std::size_t>(joined_.group(c.a))] = true;
-      has_capacitor[static_cast<std::size_t>(joined_.group(c.b))] = true;
+      has_capacitor[static_cast<std::size_t>(joined_.of(c.a))] = true;
+      has_capacitor[static_cast<std::size_t>(joined_.of(c.b))] = true;
     }
     std::vector<int> charge_of_group(holds_.size(), -1);
     for (int node = 0; node < network_.nodes; ++node) {
-      const auto g = static_cast<std::size_t>(joined_.group(node));
+      const auto g = static_cast<std::size_t>(joined_.of(node));
       if (holds_[g].is_free() && has_capacitor[g] && charge_of_group[g] < 0)
         charge_of_group[g] = static_cast<int>(out_.charges++);
     }
     out_.charge_of.resize(holds_.size());
     for (int node = 0; node < network_.nodes; ++node) {
       out_.charge_of[static_cast<std::size_t>(node)] =
-          charge_of_group[static_cast<std::size_t>(joined_.group(node))];
+          charge_of_group[static_cast<std::size_t>(joined_.of(node))];
     }
   }
 
@@ -286,7 +270,7 @@ class MapMaker {
 
   const SwitchedNetwork& network_;
   const std::vector<bool>& closed_;
-  JoinedNodes joined_;
+  schematic::Sets joined_;  ///< nodes that closed switches join
   MatrixXd capacitance_;
   std::vector<GroupHold> holds_;
   ChargeMap out_;

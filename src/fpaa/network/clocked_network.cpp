@@ -34,12 +34,11 @@ std::optional<std::int64_t> common_period(std::span<const std::int64_t> periods)
   return out;
 }
 
-ClockedNetwork::ClockedNetwork(const SwitchedCircuit& circuit, std::vector<std::int64_t> ticks,
-                               bool with_noise) {
-  const SwitchedNetwork network(circuit);
-  inputs_ = network.inputs.size();
-  opamps_ = network.opamps.size();
-  output_ = static_cast<std::size_t>(network.output);
+ClockedNetwork::ClockedNetwork(const SwitchedNetwork& network, std::vector<std::int64_t> ticks,
+                               bool with_noise)
+    : inputs_(network.inputs.size()),
+      opamps_(network.opamps.size()),
+      output_(static_cast<std::size_t>(network.output)) {
   const std::optional<std::int64_t> period = common_period(ticks);
   std::int64_t instants = 0;
   for (const std::int64_t clock : ticks) {

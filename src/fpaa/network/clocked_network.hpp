@@ -31,7 +31,7 @@ class ClockedNetwork {
 
   /// Throws DesignError where a position of the switches leaves a voltage open, or where the common period has
   /// more than `kMostInstants` switching instants.
-  ClockedNetwork(const SwitchedCircuit& circuit, std::vector<std::int64_t> ticks, bool with_noise = false);
+  ClockedNetwork(const SwitchedNetwork& network, std::vector<std::int64_t> ticks, bool with_noise = false);
 
   static constexpr std::int64_t kMostInstants = 2000000;
 

@@ -52,7 +52,7 @@ struct SwitchedNetwork {
   int output = 0;           ///< index of the op-amp that is read outside
 
   /// Throws DesignError where the netlist has other elements, or no op-amp at the output.
-  explicit SwitchedNetwork(const SwitchedCircuit& circuit);
+  SwitchedNetwork(const SwitchedCircuit& circuit);
 };
 
 /// A network while its switches stand still. What is conserved is the charge of every group of joined nodes that

@@ -18,7 +18,9 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
       units_.push_back(c.units);
       names_.push_back(node.name + "." + c.name);
     }
-    inputs.push_back(static_cast<std::size_t>(switches_of(*node.cam, node.name).inputs()));
+    const StageSwitches stage = switches_of(*node.cam, node.name);
+    inputs.push_back(static_cast<std::size_t>(stage.inputs()));
+    counted_.emplace_back(circuit_of(stage));
   }
   network_of_.assign(graph_.nodes.size(), 0);
   for (const std::size_t n : graph_.order) {
@@ -38,7 +40,15 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
 ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> units, bool with_noise) const {
   const PlacedCam& cam = *graph_.nodes[n].cam;
   const CapacitorUnits own(cam.capacitors, units.subspan(first_capacitor_[n], cam.capacitors.size()));
-  return ClockedNetwork(circuit_of(*cam.cam->switches(cam, own)), {graph_.nodes[n].period}, with_noise);
+  const StageSwitches stage = *cam.cam->switches(cam, own);
+  // Another draw has other sizes alone.
+  SwitchedNetwork network = counted_[n];
+  std::size_t at = 0;
+  for (const StageCapacitor& c : stage.capacitors) {
+    if (c.units > 0.0 && at++ < network.capacitors.size()) network.capacitors[at - 1].size = c.units;
+  }
+  if (at != network.capacitors.size()) network = circuit_of(stage);
+  return ClockedNetwork(network, {graph_.nodes[n].period}, with_noise);
 }
 
 Hertz SwitchedBoard::fastest_clock() const {

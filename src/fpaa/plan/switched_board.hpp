@@ -54,7 +54,8 @@ class SwitchedBoard {
   std::vector<double> units_, drawn_;
   std::vector<std::string> names_;
   PeriodicNetworks networks_;
-  std::vector<std::size_t> network_of_;  ///< of each node
+  std::vector<std::size_t> network_of_;   ///< of each node
+  std::vector<SwitchedNetwork> counted_;  ///< likewise, at the plan's capacitors
 };
 
 /// What the board does to a sine of frequency w at that same frequency: as its switches make it (SwitchedBoard, which

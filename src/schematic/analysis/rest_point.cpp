@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <set>
 #include <stdexcept>
 
 #include "numeric/linear_algebra/dense.hpp"
+#include "schematic/analysis/sets.hpp"
 
 namespace bodesmith::schematic {
 namespace {
@@ -17,20 +17,6 @@ std::size_t at(int place) {
 
 /// Of an end at ground, which stands nowhere.
 constexpr int kGroundPlace = std::numeric_limits<int>::min();
-
-/// Sets that grow together.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int of(int one) {
-    while (parent_[at(one)] != one) one = parent_[at(one)] = parent_[at(parent_[at(one)])];
-    return one;
-  }
-  void join(int a, int b) { parent_[at(of(a))] = of(b); }
-
- private:
-  std::vector<int> parent_;
-};
 
 }  // namespace
 

@@ -47,14 +47,14 @@ TEST(ParallelModes, StatesAndFormulaAreOneResponse) {
       make_block("right_half_plane_zero").set("right_zero_hz", 40.0).set("pole_hz", 90.0));
 }
 
-TEST(ParallelModes, AreASumOfResonatorsBesideThePath) {
+TEST(ParallelModes, AreASumOfResonatorsInParallelWithThePath) {
   for (double hz : {3.0, 30.0, 41.0, 90.0}) {
     const Complex sum = 1.0 + at(resonator(0.4, 30.0, 0.02), hz) + at(resonator(-0.15, 70.0, 0.05), hz);
     EXPECT_LT(std::abs(at(two_modes(), hz) - sum), 1e-12);
   }
 }
 
-TEST(ParallelModes, BesideAResonatorTheirGainsArePartsOfItsGain) {
+TEST(ParallelModes, InParallelWithAResonatorTheirGainsArePartsOfItsGain) {
   const auto beside = two_modes().set("resonator_hz", 12.0).set("resonator_damping_ratio", 0.1);
   for (double hz : {3.0, 12.0, 30.0, 41.0, 90.0}) {
     const Complex first = at(resonator(2.0, 12.0, 0.1), hz);

@@ -34,7 +34,7 @@ constexpr const char* kModel =
     "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.9\noffset = 0.0\nfree = "
     "[\"gain\"]\n";
 
-TEST(DiagnoseCommand, namesASaturationAndItsModelRunsInSimulate) {
+TEST(DiagnoseCommand, NamesASaturationAndItsModelRunsInSimulate) {
   const TemporaryFolder folder;
   write_file(folder / "model.toml", kModel);
   write_file(folder / "train.csv", clipped_record(false, 1));
@@ -61,7 +61,7 @@ TEST(DiagnoseCommand, namesASaturationAndItsModelRunsInSimulate) {
   EXPECT_EQ(page.status, 0) << page.out << page.err;
 }
 
-TEST(DiagnoseCommand, refusesBadInputWithoutWritingAnything) {
+TEST(DiagnoseCommand, RefusesBadInputWithoutWritingAnything) {
   const TemporaryFolder folder;
   write_file(folder / "model.toml", kModel);
   write_file(folder / "short.csv", "time_s,u,y\n0,0,0\n1,1,1\n");

@@ -118,6 +118,40 @@ TEST(Architecture, OptionsAreSpeltInCliAlone) {
   }
 }
 
+/// tests/P_test.cpp is of src/P, or of a helper tests/P.hpp; what is a law of a whole folder stands in it under the folder's own
+/// name, what is one of the whole program in cli/program/.
+TEST(Architecture, TestsMirrorTheSources) {
+  const fs::path root(BODESMITH_SOURCE_DIR);
+  int seen = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "tests")) {
+    const std::string path = fs::relative(entry.path(), root / "tests").string();
+    if (!path.ends_with("_test.cpp") || path.starts_with("cli/program/")) continue;
+    ++seen;
+    const fs::path unit = path.substr(0, path.size() - std::string("_test.cpp").size());
+    const bool is_of_a_file = fs::exists(root / "src" / (unit.string() + ".cpp")) ||
+                              fs::exists(root / "src" / (unit.string() + ".hpp"));
+    const bool is_of_a_helper = fs::exists(root / "tests" / (unit.string() + ".hpp"));
+    const bool is_of_a_folder =
+        unit.filename() == unit.parent_path().filename() && fs::exists(root / "src" / unit.parent_path());
+    EXPECT_TRUE(is_of_a_file || is_of_a_helper || is_of_a_folder) << path << " is of nothing under src/";
+  }
+  EXPECT_GT(seen, 200);
+}
+
+TEST(Architecture, NamesOfTestsAreInOneStyle) {
+  const std::regex test(R"(\nTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\))"), style("[A-Z][A-Za-z0-9]*");
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(BODESMITH_SOURCE_DIR) / "tests")) {
+    if (!entry.path().string().ends_with("_test.cpp")) continue;
+    const std::string text = read_file(entry.path());
+    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it) {
+      const std::string suite = (*it)[1], name = (*it)[2];
+      EXPECT_TRUE(std::regex_match(suite, style) && std::regex_match(name, style) &&
+                  name.find("Beside") == std::string::npos)
+          << entry.path() << ": " << suite << "." << name << ", expected UpperCamelCase";
+    }
+  }
+}
+
 TEST(Architecture, EveryHeaderIsGuardedAndEverySourceHasNoMachinePath) {
   for (const char* folder : {"src", "tests", "templates", "examples", "cmake"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(BODESMITH_SOURCE_DIR) / folder)) {

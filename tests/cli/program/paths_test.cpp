@@ -61,7 +61,7 @@ TEST(Paths, NamesAreRelativeToTheFileThatHoldsThem) {
   EXPECT_EQ(loop.status, 0) << loop.err;
 }
 
-TEST(Paths, VariantsNameFilesBesideTheProjectAndFoldersInTheOutput) {
+TEST(Paths, VariantsNameFilesNextToTheProjectAndFoldersInTheOutput) {
   const TemporaryFolder folder;
   write_file(folder / "p/s.json", kOneSection);
   write_file(folder / "p/other/s.json", kOneSection);

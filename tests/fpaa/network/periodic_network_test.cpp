@@ -107,7 +107,7 @@ std::vector<StageSwitches> drawn_stages(Random& random, int count) {
   return out;
 }
 
-TEST(PeriodicNetworks, oneClockIsTheClosedForm) {
+TEST(PeriodicNetworks, OneClockIsTheClosedForm) {
   Random random(7);
   for (int draw = 0; draw < 60; ++draw) {
     const auto stages = drawn_stages(random, 1 + draw % 8);
@@ -124,7 +124,7 @@ TEST(PeriodicNetworks, oneClockIsTheClosedForm) {
   }
 }
 
-TEST(PeriodicNetworks, stagesOfSeveralClocksAreTheWholeNetwork) {
+TEST(PeriodicNetworks, StagesOfSeveralClocksAreTheWholeNetwork) {
   Random random(11);
   const std::vector<std::vector<std::int64_t>> clocks = {{20, 20, 20}, {20, 60, 20},  {60, 20, 12},
                                                          {28, 20, 28}, {200, 20, 40}, {12, 30, 20},
@@ -158,7 +158,7 @@ TEST(PeriodicNetworks, stagesOfSeveralClocksAreTheWholeNetwork) {
 ///   Ci dvi/dt = (ei - vi)/R,   Co dvo/dt = (eo - vo - (Ci vi + Co vo)/Cint)/R,
 /// so that with i = Ci/Cint, o = Co/Cint, in kT: Pii = 1/Ci, Pio = -i Pii Ci/(Co + (1 + o) Ci),
 /// Poo = (1/Co - i Pio)/(1 + o); the charge Ci vi + Co vo stands on Cint alone for the half period before.
-TEST(PeriodicNetworks, noiseOfALowPassInClosedForm) {
+TEST(PeriodicNetworks, NoiseOfALowPassInClosedForm) {
   constexpr double ci = 17.0;
   constexpr double cint = 140.0;
   constexpr double co = 23.0;
@@ -185,7 +185,7 @@ TEST(PeriodicNetworks, noiseOfALowPassInClosedForm) {
 
 /// A fast stage's noise folds where a slow one reads it: the whole network, in which every instant is its own, says
 /// how much. (There the next stage also samples what the one before it moves within a phase: some percent.)
-TEST(PeriodicNetworks, noiseFoldsAsInTheWholeNetwork) {
+TEST(PeriodicNetworks, NoiseFoldsAsInTheWholeNetwork) {
   Random random(5);
   for (const auto& periods :
        std::vector<std::vector<std::int64_t>>{{20, 20, 20}, {20, 200, 200}, {200, 20, 40}, {12, 30, 20}}) {
@@ -202,7 +202,7 @@ TEST(PeriodicNetworks, noiseFoldsAsInTheWholeNetwork) {
 }
 
 /// Clocks without a short common period: every part of a sum over its own common period with the sum's clock.
-TEST(PeriodicNetworks, partsOfASumAreSuperposed) {
+TEST(PeriodicNetworks, PartsOfASumAreSuperposed) {
   const std::int64_t slow = 2 * 8009;  // a prime number of master periods
   const std::int64_t slower = 2 * 10007;
   PeriodicNetworks board(kTicks);
@@ -229,7 +229,7 @@ TEST(PeriodicNetworks, partsOfASumAreSuperposed) {
 
 /// By Parseval the density over all frequencies is the mean square of the waveform, which the charges' own
 /// covariance gives without a frequency: x = M x + noise, half a period each phase.
-TEST(PeriodicNetworks, noiseOverAllFrequenciesIsTheWaveformsMeanSquare) {
+TEST(PeriodicNetworks, NoiseOverAllFrequenciesIsTheWaveformsMeanSquare) {
   const ClockedNetwork network = clocked(pole_zero_stage(31, 9, 77, 40), 40, true);
   PeriodicNetworks board(kTicks);
   board.set_output(board.add(network, {{NetworkSource::Kind::board_input, 0}}));
@@ -251,7 +251,7 @@ TEST(PeriodicNetworks, noiseOverAllFrequenciesIsTheWaveformsMeanSquare) {
   EXPECT_NEAR(sum, mean_square, 2e-3 * mean_square);
 }
 
-TEST(PeriodicNetworks, anOpAmpWithoutFeedbackIsRefused) {
+TEST(PeriodicNetworks, AnOpAmpWithoutFeedbackIsRefused) {
   StageSwitches stage = low_pass_stage(10, 20, 30);
   stage.capacitors.pop_back();
   EXPECT_THROW(clocked(stage, 40), std::exception);

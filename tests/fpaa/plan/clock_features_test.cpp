@@ -44,7 +44,7 @@ Plan sampled_path() {
   return plan;
 }
 
-TEST(ClockFeatures, FindTheDipBesideAClock) {
+TEST(ClockFeatures, FindTheDipNextToAClock) {
   const Plan plan = sampled_path();
   const SwitchedBoard response(plan);
   const Band band{{2900.0}, {3100.0}};

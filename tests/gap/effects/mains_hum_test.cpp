@@ -44,7 +44,7 @@ chain::Chain gain_of_two() {
 }
 
 class MainsHum : public testing::TestWithParam<std::pair<double, double>> {};
-TEST_P(MainsHum, isNamedOffItsFrequencyWithEachRecordsOwnPhase) {
+TEST_P(MainsHum, IsNamedOffItsFrequencyWithEachRecordsOwnPhase) {
   const auto [hz, step_s] = GetParam();
   const auto study = gap::Study::of({record_with_hum("a.csv", step_s, {hz, 0.05, 0.4}, 1),
                                      record_with_hum("b.csv", step_s, {hz, 0.04, 2.9}, 2)},

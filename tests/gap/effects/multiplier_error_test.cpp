@@ -53,7 +53,7 @@ std::vector<std::string> names_in_stage(const hidden::Stage& stage) {
 
 using PowersNames = std::vector<std::string>;
 
-TEST(MultiplierError, ofAllPowersIsNamed) {
+TEST(MultiplierError, OfAllPowersIsNamed) {
   EXPECT_EQ(names_in_stage(hidden::branches_by_multipliers(kPowersUp, kPowersDown, 1.0, 0.03, 0.0)),
             PowersNames{"multiplier_error"});
   EXPECT_EQ(names_in_stage(hidden::branches_by_multipliers(kPowersUp, kPowersDown, 1.0, 0.0, 0.02)),
@@ -62,7 +62,7 @@ TEST(MultiplierError, ofAllPowersIsNamed) {
             PowersNames{"multiplier_error"});
 }
 
-TEST(MultiplierError, ofTheSquareAloneIsNamed) {
+TEST(MultiplierError, OfTheSquareAloneIsNamed) {
   const hidden::Stage stage = [](const hidden::Fine& u, double) {
     hidden::Fine y(u);
     bool rising = true;
@@ -77,7 +77,7 @@ TEST(MultiplierError, ofTheSquareAloneIsNamed) {
   EXPECT_EQ(names_in_stage(stage), PowersNames{"multiplier_error"});
 }
 
-TEST(AsymmetricHysteresis, isNoNameForACurve) {
+TEST(AsymmetricHysteresis, IsNoNameForACurve) {
   const auto curve = hidden::curve([](double x) { return x + 0.08 * x * x - 0.05 * x * x * x; });
   const auto found = names_for_powers(
       "[[block]]\ntype = \"gain\"\ngain = 0.97\noffset = 0.0\nfree = [\"gain\"]\n", curve, 0.0);

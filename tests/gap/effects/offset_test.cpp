@@ -56,7 +56,7 @@ TimeRecord two_tones(double offset, double noise, unsigned seed) {
   return r;
 }
 
-TEST(OffsetPlace, isSeenInTheStart) {
+TEST(OffsetPlace, IsSeenInTheStart) {
   const auto base = two_lags("");
   const auto d =
       gap::diagnose(base, gap::Study::of({two_tones(0.05, 0.005, 1)}, {two_tones(0.05, 0.005, 2)}, base), {});
@@ -75,7 +75,7 @@ std::vector<gap::Proposal> offsets_of(const chain::Chain& chain) {
   return proposals;
 }
 
-TEST(OffsetPlace, isOneInALinearStretchAtRest) {
+TEST(OffsetPlace, IsOneInALinearStretchAtRest) {
   EXPECT_EQ(offsets_of(two_lags("")).size(), 3U);
   EXPECT_EQ(offsets_of(two_lags("start = \"equilibrium\"\n")).size(), 1U);
 }

@@ -40,7 +40,7 @@ std::vector<gap::Proposal> proposed(const char* effect, const gap::Model& model)
   return out;
 }
 
-TEST(SlowOpamp, isNamedWithComplexPolesAndWithRealOnes) {
+TEST(SlowOpamp, IsNamedWithComplexPolesAndWithRealOnes) {
   for (const double gain_bandwidth_hz : {2e3, 6e3, 6e4}) {
     const auto record = made::measured([=](double hz) { return slow(hz, gain_bandwidth_hz); }, 5.0, 2000.0,
                                        120, [](double) { return 0.002; }, 11);
@@ -53,7 +53,7 @@ TEST(SlowOpamp, isNamedWithComplexPolesAndWithRealOnes) {
   }
 }
 
-TEST(SlowOpamp, standsBesideAMismatchInItsSection) {
+TEST(SlowOpamp, StandsWithAMismatchInItsSection) {
   constexpr double kShiftedHz = 660.0;
   constexpr double kGainBandwidthHz = 2e4;
   const auto record = made::measured([](double hz) { return slow(hz, kGainBandwidthHz, kShiftedHz); }, 5.0,
@@ -69,7 +69,7 @@ TEST(SlowOpamp, standsBesideAMismatchInItsSection) {
   }
 }
 
-TEST(SlowOpamp, followsThePoleThatAnotherTermMoves) {
+TEST(SlowOpamp, FollowsThePoleThatAnotherTermMoves) {
   const gap::Model base(lead_section());
   auto proposals = proposed("opamp_bandwidth", base);
   ASSERT_FALSE(proposals.empty());
@@ -91,7 +91,7 @@ TEST(SlowOpamp, followsThePoleThatAnotherTermMoves) {
 }
 
 // H P/(P + s D/(2 pi f)) with D of the second order: three poles, of which none, two or one pair is complex.
-TEST(SlowOpamp, ofTwoPolesMakesAThird) {
+TEST(SlowOpamp, OfTwoPolesMakesAThird) {
   const gap::Model base(model_of(
       "[[block]]\ntype = \"biquad\"\nlowpass_gain = -2.0\nnatural_frequency_hz = 100.0\ndamping_ratio = 0.4\n"
       "[block.parts]\nC1 = {unit = \"percent\", tolerance = 5.0, \"damping_ratio\" = [0.002, 0.0]}\n"
@@ -125,7 +125,7 @@ TEST(SlowOpamp, ofTwoPolesMakesAThird) {
 }
 
 // A drifted capacitor of a section of two poles, by the name of its part where that is known.
-TEST(CapacitorMismatch, ofTwoPolesIsNamed) {
+TEST(CapacitorMismatch, OfTwoPolesIsNamed) {
   const std::string section =
       "[[block]]\ntype = \"biquad\"\nname = \"Stage2\"\nlowpass_gain = -2.0\nnatural_frequency_hz = 300.0\ndamping_ratio = 0.4\n";
   const auto shifted = [](double hz, double ratio, bool damps) {  // Tow and Thomas

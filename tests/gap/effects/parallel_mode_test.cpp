@@ -59,7 +59,7 @@ TEST(ParallelModesInResponse, OfBothSignsAreNamedWithTheirShares) {
   EXPECT_EQ(result.final.chain().blocks.size(), 2U);
 }
 
-TEST(ParallelModesInResponse, StandBesideTheModelsResonator) {
+TEST(ParallelModesInResponse, StandInParallelWithTheModelsResonator) {
   const auto h = [](double hz) {
     return 2.0 * made::mode(hz, 120.0, 0.02) - 0.3 * made::mode(hz, 330.0, 0.04);
   };
@@ -93,7 +93,7 @@ TEST(ParallelModesInResponse, AModeTakenOutLeavesTheOthersWhereTheyAre) {
   EXPECT_EQ(model.chain().blocks.size(), 1U);
 }
 
-TEST(ParallelModesInResponse, StandBesideTheResonatorWhateverCameBetween) {
+TEST(ParallelModesInResponse, StandInParallelWithTheResonatorWhateverCameBetween) {
   const auto h = [](double hz) {
     return 2.0 * made::mode(hz, 120.0, 0.02) - 0.3 * made::mode(hz, 330.0, 0.04);
   };

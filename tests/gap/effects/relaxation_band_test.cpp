@@ -44,7 +44,7 @@ std::vector<std::string> names_of_relaxed(const std::vector<hidden::Stage>& stag
   return all;
 }
 
-TEST(Relaxation, ofManyTimeConstantsIsCreep) {
+TEST(Relaxation, OfManyTimeConstantsIsCreep) {
   std::vector<double> gains;
   std::vector<double> times;
   for (int k = 0; k < 10; ++k) {
@@ -54,7 +54,7 @@ TEST(Relaxation, ofManyTimeConstantsIsCreep) {
   EXPECT_EQ(names_of_relaxed({hidden::creep(gains, times)}), std::vector<std::string>{"creep"});
 }
 
-TEST(Relaxation, ofABankAsStrongAsItMayBeAtItsFastestIsALag) {
+TEST(Relaxation, OfABankAsStrongAsItMayBeAtItsFastestIsALag) {
   const gap::Model base(model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n"));
   const gap::Experiments train = {gap::TimeExperiment(relaxed_record({}, hidden::Drive::noise, 3))};
   const auto scene = gap::make_scene(base, train);
@@ -73,7 +73,7 @@ TEST(Relaxation, ofABankAsStrongAsItMayBeAtItsFastestIsALag) {
   }
 }
 
-TEST(Relaxation, withinTheDrivenBandIsRateDependence) {
+TEST(Relaxation, WithinTheDrivenBandIsRateDependence) {
   const double slow = 1.0 / (2.0 * std::numbers::pi * 2.0);
   EXPECT_EQ(names_of_relaxed({hidden::fractional(slow, 0.03, -0.1)}),
             std::vector<std::string>{"rate_dependence"});

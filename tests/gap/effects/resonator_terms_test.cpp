@@ -32,7 +32,7 @@ std::vector<double> multisine(unsigned seed, double to_hz) {
   return u;
 }
 
-TEST(Drag, isNamedWhereItOutweighsTheDampingAHundredTimes) {
+TEST(Drag, IsNamedWhereItOutweighsTheDampingAHundredTimes) {
   const std::string gain = "[[block]]\ntype = \"gain\"\ngain = 1.15\nfree = [\"gain\"]\n";
   const std::string truth =
       gain +

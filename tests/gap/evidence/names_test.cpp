@@ -36,7 +36,7 @@ const std::string kStage =
     "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n";
 
 // A one-sided dead zone is all of it: asymmetric memory without a loop, beside an offset, would leave nothing but noise.
-TEST(NoNames, aKinkOfASensorIsNotAsymmetricMemory) {
+TEST(NoNames, AKinkOfASensorIsNotAsymmetricMemory) {
   const std::string kink =
       "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0]\nw = [1.0]\ns = [1.0]\nv = [-0.25]\n";
   const auto model = model_of(kStage);
@@ -48,7 +48,7 @@ TEST(NoNames, aKinkOfASensorIsNotAsymmetricMemory) {
 }
 
 // A lag of some samples, and one of a two-hundredth of a sample.
-TEST(NoNames, areSeenBehindOtherTerms) {
+TEST(NoNames, AreSeenBehindOtherTerms) {
   gap::Experiments train;
   train.emplace_back(gap::TimeExperiment(measured_with(kStage, 1)));
   gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 1.9\n"));

@@ -31,7 +31,7 @@ std::vector<double> sine(std::size_t n, double cycles, double size) {
   return v;
 }
 
-TEST(NoiseFloor, fromPeriodsIsTheNonRepeatingPart) {
+TEST(NoiseFloor, FromPeriodsIsTheNonRepeatingPart) {
   auto e = noise(8000, 0.1, 1);
   const auto odd = sine(8000, 4 * 3, 0.5);   // third harmonic of a period of 2000
   const auto even = sine(8000, 4 * 2, 0.2);  // second
@@ -43,7 +43,7 @@ TEST(NoiseFloor, fromPeriodsIsTheNonRepeatingPart) {
   EXPECT_NEAR(floor.even_rms, 0.2 / std::sqrt(2.0), 0.01);
 }
 
-TEST(NoiseFloor, fromHighFrequenciesWhenTheInputLeavesThemFree) {
+TEST(NoiseFloor, FromHighFrequenciesWhenTheInputLeavesThemFree) {
   const auto u = sine(6000, 40, 1.0);
   const auto floor = floor_from_high_frequencies(noise(6000, 0.3, 2), u, 1e-3);
   EXPECT_EQ(floor.source, NoiseFloor::Source::high_frequency);
@@ -52,7 +52,7 @@ TEST(NoiseFloor, fromHighFrequenciesWhenTheInputLeavesThemFree) {
             NoiseFloor::Source::unknown);
 }
 
-TEST(Period, isFoundOnlyWhereThereIsOne) {
+TEST(Period, IsFoundOnlyWhereThereIsOne) {
   auto u = sine(6000, 8, 1.0);
   const auto more = sine(6000, 4, 0.5);
   for (std::size_t i = 0; i < u.size(); ++i) u[i] += more[i];
@@ -60,7 +60,7 @@ TEST(Period, isFoundOnlyWhereThereIsOne) {
   EXPECT_EQ(find_period(noise(6000, 1.0, 4)), 0U);
 }
 
-TEST(Surrogate, keepsTheSpectrumAndLosesThePhases) {
+TEST(Surrogate, KeepsTheSpectrumAndLosesThePhases) {
   const auto v = noise(4096, 1.0, 5);
   const auto s = phase_surrogate(v, 9);
   EXPECT_NEAR(rms(s), rms(v), 0.02);
@@ -69,7 +69,7 @@ TEST(Surrogate, keepsTheSpectrumAndLosesThePhases) {
   EXPECT_LT(std::abs(along) / (rms(v) * rms(s) * 4096.0), 0.08);
 }
 
-TEST(Where, findsTheStretchOfADropOut) {
+TEST(Where, FindsTheStretchOfADropOut) {
   bodesmith::TimeRecord record;
   record.step_s = 1e-3;
   record.u = sine(5000, 25, 1.0);
@@ -85,7 +85,7 @@ TEST(Where, findsTheStretchOfADropOut) {
 }
 
 // A gap above an output of 0.8 that the input, faster and behind a delay, does not tell.
-TEST(Where, tellsOutputsApartFromInputs) {
+TEST(Where, TellsOutputsApartFromInputs) {
   bodesmith::TimeRecord record;
   record.step_s = 1e-3;
   record.u = noise(5000, 1.0, 9);
@@ -111,7 +111,7 @@ Cell on(const std::vector<Cell>& cells, Axis axis) {
 }
 
 // A triangle of 100 samples a period: its way down, its ends, one harmonic of its period.
-TEST(Where, namesTheBranchTheAmplitudesAndTheHarmonic) {
+TEST(Where, NamesTheBranchTheAmplitudesAndTheHarmonic) {
   bodesmith::TimeRecord record;
   record.step_s = 1e-2;
   for (int i = 0; i < 2000; ++i)
@@ -142,7 +142,7 @@ TEST(Where, namesTheBranchTheAmplitudesAndTheHarmonic) {
   EXPECT_NEAR(on(where(record, high, 500, 100), Axis::amplitude).from, 5.0 + 1e3 * 0.7, 1e-6);
 }
 
-TEST(Where, ofAResponseIsWidenedUntilItHoldsHalf) {
+TEST(Where, OfAResponseIsWidenedUntilItHoldsHalf) {
   FrequencyRecord record;
   std::vector<double> residual;
   const std::vector<double> size = {0.1, 0.1, 1.5, 1.6, 0.1, 1.4, 0.1, 0.1};
@@ -160,7 +160,7 @@ TEST(Where, ofAResponseIsWidenedUntilItHoldsHalf) {
               (1.5 * 1.5 + 1.6 * 1.6 + 1.4 * 1.4 + 0.01) / (1.5 * 1.5 + 1.6 * 1.6 + 1.4 * 1.4 + 0.05), 1e-12);
 }
 
-TEST(Where, findsTheFrequencyOfATone) {
+TEST(Where, FindsTheFrequencyOfATone) {
   bodesmith::TimeRecord record;
   record.step_s = 1e-3;
   record.u = noise(5000, 1.0, 7);

@@ -9,7 +9,7 @@
 namespace bodesmith {
 namespace {
 
-TEST(EveryRecord, aRateThatIsLimitedInTheNarrowOneAloneIsNamed) {
+TEST(EveryRecord, ARateThatIsLimitedInTheNarrowOneAloneIsNamed) {
   const std::string gain = "[[block]]\ntype = \"gain\"\ngain = 1.0\n";
   const std::string limited = "[[block]]\ntype = \"slew_limit\"\nrate_per_s = 90.0\n" + gain;
   // 30/s at most in the wide record, 177/s in the narrow one.

@@ -45,7 +45,7 @@ bool is_one_loop(const std::vector<TimeRecord>& records) {
   return gap::is_one_loop(gap::make_scene(model, experiments), 0);
 }
 
-TEST(OneLoop, isOneRecordOfOneSize) {
+TEST(OneLoop, IsOneRecordOfOneSize) {
   EXPECT_TRUE(is_one_loop({loops(0.0, 1)}));
   EXPECT_FALSE(is_one_loop({loops(0.7, 1)}));
   EXPECT_FALSE(is_one_loop({loops(0.0, 1), loops(0.0, 2)}));
@@ -66,7 +66,7 @@ bool names(const gap::Diagnosis& d, std::string_view effect) {
   return std::any_of(d.steps.begin(), d.steps.end(), [&](const auto& step) { return step.effect == effect; });
 }
 
-TEST(OneLoop, ALimitBesideALagIsANameWhereNothingIsLeft) {
+TEST(OneLoop, ALimitNextToALagIsANameWhereNothingIsLeft) {
   const auto clipped = of_sine([](double t, double) {
     return std::min(0.85, std::sin(2.0 * std::numbers::pi * std::max(0.0, t - 0.03)));
   });
@@ -87,7 +87,7 @@ TEST(OneLoop, ABentLoopIsNoLimit) {
   EXPECT_FALSE(names(d, "saturation"));
 }
 
-TEST(OneLoop, isNoGroundForAsymmetry) {
+TEST(OneLoop, IsNoGroundForAsymmetry) {
   const auto d = gap::diagnose(line(), gap::Study::of({loops(0.0, 1)}, {loops(0.6, 2)}, line()), {});
   ASSERT_FALSE(d.steps.empty());
   for (const auto& step : d.steps) EXPECT_NE(step.effect, "asymmetric_hysteresis");

@@ -57,7 +57,7 @@ const std::string kResonator =
     "[[block]]\ntype = \"resonator\"\ngain = 0.8\nnatural_frequency_hz = 400.0\ndamping_ratio = 0.2\n"
     "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n";
 
-TEST(TwoNames, anOffsetAndALimitAreNotAsymmetricMemory) {
+TEST(TwoNames, AnOffsetAndALimitAreNotAsymmetricMemory) {
   const auto d = diagnosed(kPlays + kResonator,
                            "[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = -0.06\n" + kPlays + kResonator +
                                "[[block]]\ntype = \"saturation\"\nlower = -9.0\nupper = 0.7\n",
@@ -66,7 +66,7 @@ TEST(TwoNames, anOffsetAndALimitAreNotAsymmetricMemory) {
 }
 
 // The line crosses zero in the middle of the record: a constant alone, and a line from zero alone, leave as much as before.
-TEST(TwoNames, aConstantAndALineThatExplainNothingAlone) {
+TEST(TwoNames, AConstantAndALineThatExplainNothingAlone) {
   const auto d = diagnosed(kResonator,
                            kResonator + "[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = -0.03\n" +
                                "[[block]]\ntype = \"drift\"\nrate_per_s = 0.33\n",
@@ -76,7 +76,7 @@ TEST(TwoNames, aConstantAndALineThatExplainNothingAlone) {
 }
 
 // The delay takes four fifths of what the drift leaves, and less than a twelfth of the first gap.
-TEST(TwoNames, aDelayBesideADriftOfManyTimesItsSizeIsNamed) {
+TEST(TwoNames, ADelayUnderADriftOfManyTimesItsSizeIsNamed) {
   const std::string base = kPlays + "[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n";
   const auto d = diagnosed(
       base,
@@ -87,7 +87,7 @@ TEST(TwoNames, aDelayBesideADriftOfManyTimesItsSizeIsNamed) {
   EXPECT_LT(d.steps.back().before.train_rms, 0.08 * d.refitted.train_rms);
 }
 
-TEST(TwoNames, whatOnlyTheHeldOutRecordHoldsIsNotNothing) {
+TEST(TwoNames, WhatOnlyTheHeldOutRecordHoldsIsNotNothing) {
   const std::string base = "[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n";
   const auto model = model_of(base);
   const std::string limited = base + "[[block]]\ntype = \"saturation\"\nlower = -9.0\nupper = 1.2\n";
@@ -102,7 +102,7 @@ TEST(TwoNames, whatOnlyTheHeldOutRecordHoldsIsNotNothing) {
   EXPECT_EQ(d.verdict, gap::Verdict::unexplained);
 }
 
-TEST(TwoNames, aDeadZoneThatASignalNeverShowsIsAnOffset) {
+TEST(TwoNames, ADeadZoneThatASignalNeverShowsIsAnOffset) {
   const std::string base = "[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n";
   const auto d = diagnosed(base, base + "[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = -0.1\n", 0.005);
   ASSERT_EQ(names_of(d), std::set<std::string>{"offset"});
@@ -124,7 +124,7 @@ double promise_of_a_delay(double gain) {
 }
 
 // As in a chain from which a term was just taken out: what refitting will explain is no reason to promise less.
-TEST(Shortlist, aPromiseIsAShareOfWhatTheFreeValuesLeave) {
+TEST(Shortlist, APromiseIsAShareOfWhatTheFreeValuesLeave) {
   EXPECT_GT(promise_of_a_delay(1.0), 0.9);
   EXPECT_GT(promise_of_a_delay(3.0), 0.9);
 }

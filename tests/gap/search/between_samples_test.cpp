@@ -73,14 +73,14 @@ Fits fits_of(bool smooth) {
   return fits;
 }
 
-TEST(BetweenSamples, aSmoothInputBulgesOutOfTheLines) {
+TEST(BetweenSamples, ASmoothInputBulgesOutOfTheLines) {
   const auto fits = fits_of(true);
   EXPECT_GT(fits.straight, 0.005);
   ASSERT_GT(fits.smooth, 0.0);
   EXPECT_LT(fits.smooth, 0.5 * fits.straight);
 }
 
-TEST(BetweenSamples, aStraightOneIsLeftAlone) {
+TEST(BetweenSamples, AStraightOneIsLeftAlone) {
   const auto fits = fits_of(false);
   EXPECT_LT(fits.straight, 0.0012);
   EXPECT_EQ(fits.smooth, 0.0);

@@ -70,7 +70,7 @@ TimeRecord shaken(unsigned seed) {
   return r;
 }
 
-TEST(SharedValues, findTheSharpModeBehindTheLoops) {
+TEST(SharedValues, FindTheSharpModeBehindTheLoops) {
   const auto base = stage_with_loops();
   const auto d = gap::diagnose(base, gap::Study::of({shaken(1)}, {shaken(2)}, base), {});
   ASSERT_EQ(d.steps.size(), 1U);

@@ -24,7 +24,7 @@ Leftover noise_of_colour(double memory, unsigned seed) {
   return l;
 }
 
-TEST(Signs, aChirpAndBurstsAreConcentratedAndNoiseIsNot) {
+TEST(Signs, AChirpAndBurstsAreConcentratedAndNoiseIsNot) {
   auto chirp = noise_of_colour(0.0, 1);
   auto bursts = noise_of_colour(0.0, 2);
   for (std::size_t i = 0; i < 2000; ++i) {
@@ -61,7 +61,7 @@ TEST(Signs, AJumpUnderTheNoiseOfSingleSamplesIsSeen) {
 }
 
 // What a smooth drive leaves keeps to its band; noise that forgets itself falls off slowly.
-TEST(Signs, aHumpStandsOnAWhiteFloorAndColouredNoiseHasNone) {
+TEST(Signs, AHumpStandsOnAWhiteFloorAndColouredNoiseHasNone) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     auto hump = noise_of_colour(0.0, seed);
     auto red = hump;
@@ -98,7 +98,7 @@ Leftover curve_left(unsigned seed, double wave) {
 }
 
 // Two and a half waves over the range: nothing that powers could follow.
-TEST(Signs, aStaticCurveOfAnyFormDependsOnTheSignals) {
+TEST(Signs, AStaticCurveOfAnyFormDependsOnTheSignals) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     EXPECT_TRUE(depends_on_signals(curve_left(seed, 1.0), curve_left(seed + 50, 1.0)).found()) << seed;
     EXPECT_FALSE(depends_on_signals(curve_left(seed, 0.0), curve_left(seed + 50, 0.0)).found()) << seed;
@@ -106,7 +106,7 @@ TEST(Signs, aStaticCurveOfAnyFormDependsOnTheSignals) {
 }
 
 // Slow noise goes up and down by chance; a line of its size that goes straight is none.
-TEST(Signs, aStraightLineUnderSlowNoiseIsTold) {
+TEST(Signs, AStraightLineUnderSlowNoiseIsTold) {
   int alarms = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     auto line = noise_of_colour(0.9, seed);
@@ -147,7 +147,7 @@ Leftover few_lines(unsigned seed, bool wandering) {
   return l;
 }
 
-TEST(Signs, aGainThatWandersIsSeenOnFewLinesAndNarrowNoiseIsNoGain) {
+TEST(Signs, AGainThatWandersIsSeenOnFewLinesAndNarrowNoiseIsNoGain) {
   int alarms = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     EXPECT_TRUE(gain_varies(few_lines(seed, true)).found()) << seed;
@@ -156,7 +156,7 @@ TEST(Signs, aGainThatWandersIsSeenOnFewLinesAndNarrowNoiseIsNoGain) {
   EXPECT_EQ(alarms, 0);
 }
 
-TEST(Signs, aNarrowNotchStandsApartAndNoiseOfAnyLevelDoesNot) {
+TEST(Signs, ANarrowNotchStandsApartAndNoiseOfAnyLevelDoesNot) {
   const auto errors = [](unsigned seed, double rise) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;

@@ -143,7 +143,7 @@ synthesis::OpAmpModel of_bandwidth(Hertz gain_bandwidth, double output_resistanc
 
 /// The op-amps move a section's corner, by a tenth where a small resistor makes it a pole of some MHz: noise gains are told over
 /// the corner that stands in the model.
-TEST(CircuitModel, NoiseGainsHoldBesideTheSpeedOfTheOpamps) {
+TEST(CircuitModel, NoiseGainsHoldWhateverTheSpeedOfTheOpamps) {
   constexpr double kFast = 1e7, kSlow = 6e3, kOutput = 50.0;
   std::size_t opamps = 0;
   std::vector<Section> all = sections();

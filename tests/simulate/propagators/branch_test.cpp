@@ -152,7 +152,7 @@ std::vector<double> controller_in_small_steps(const TimeRecord& in, double delay
   return out;
 }
 
-TEST(BranchPropagator, ALateSwitchInFrontOfLagsQuickBesideASampleActsBetweenTheSamples) {
+TEST(BranchPropagator, ALateSwitchInFrontOfLagsShorterThanASampleActsBetweenTheSamples) {
   TimeRecord in;
   in.step_s = 33e-6;
   for (int i = 0; i <= 120; ++i) in.u.push_back(1.0 - std::abs(i % 60 - 30) / 30.0);

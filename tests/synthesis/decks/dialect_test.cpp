@@ -24,7 +24,7 @@ class CountingDialect final : public Dialect {
   }
 };
 
-TEST(OwnDialect, IsEmittedBesideTheOthers) {
+TEST(OwnDialect, IsEmittedWithTheOthers) {
   static const CountingDialect dialect;
   dialect_registry().add(dialect);
   EXPECT_THROW(dialect_registry().add(dialect), std::logic_error);

@@ -39,7 +39,7 @@ TEST(Drawing, ThreeEndsMakeAJunction) {
 }
 
 // A name and a value stand beside the body, neither on it nor on one another.
-TEST(Drawing, TextsOfAPartStandBesideIt) {
+TEST(Drawing, TextsOfAPartStandNextToIt) {
   for (const auto kind : {schematic::Part::Kind::resistor, schematic::Part::Kind::capacitor}) {
     for (const bool horizontal : {true, false}) {
       Drawing drawing;

@@ -41,7 +41,7 @@ gap::Experiments record_with_noise(double correlation_samples, unsigned seed) {
 const std::string kGain = "[[block]]\ntype = \"gain\"\ngain = 1.0\n";
 
 // The posterior's width over the prior's, which is a quarter for a free gain. T = 3.
-TEST(Evidence, anUnknownCostsTheLogarithmOfItsPriorOverItsPosterior) {
+TEST(Evidence, AnUnknownCostsTheLogarithmOfItsPriorOverItsPosterior) {
   const auto train = record_with_noise(0.05, 4);
   const auto fitted = gap::fit(gap::Model(model_of(kGain + "free = [\"gain\"]\n")), train).model;
   const double fixed = gap::log_evidence(gap::Model(model_of(kGain)), train);
@@ -51,7 +51,7 @@ TEST(Evidence, anUnknownCostsTheLogarithmOfItsPriorOverItsPosterior) {
   EXPECT_NEAR(fixed - free, 0.5 * std::log(1.0 + std::pow(0.25 / deviation, 2) / 3.0), 1.5);
 }
 
-TEST(Evidence, anUnknownThatChangesNothingCostsNothing) {
+TEST(Evidence, AnUnknownThatChangesNothingCostsNothing) {
   const auto train = record_with_noise(0.05, 5);
   const std::string far = "[[block]]\ntype = \"saturation\"\nlower = -90.0\nupper = 90.0\n";
   const gap::Model fixed(model_of(kGain + far));
@@ -69,7 +69,7 @@ double gain_of_drift(const gap::Experiments& train) {
 }
 
 // What a line takes of slow noise is chance; a line of ten times the noise is none.
-TEST(Evidence, slowNoiseIsNoDrift) {
+TEST(Evidence, SlowNoiseIsNoDrift) {
   for (unsigned seed = 1; seed <= 12; ++seed) EXPECT_LT(gain_of_drift(record_with_noise(300.0, seed)), 3.0);
   auto line = std::get<gap::TimeExperiment>(record_with_noise(0.05, 3).front()).record();
   for (std::size_t i = 0; i < line.size(); ++i) line.y[i] += static_cast<double>(i) / kSamples;
@@ -77,7 +77,7 @@ TEST(Evidence, slowNoiseIsNoDrift) {
 }
 
 // Without the limit the spring's model runs away: what cannot be run has no evidence, and the name is sure.
-TEST(Evidence, aModelThatCannotBeRunIsNoRival) {
+TEST(Evidence, AModelThatCannotBeRunIsNoRival) {
   gap::SearchResult result;
   gap::Step step;
   step.effect = &gap::effect_registry().get("slew_limit");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "chain/kernel.hpp"
@@ -195,6 +196,25 @@ TEST(Blocks, FractionalKernelStaysWithinItsStatedError) {
                   linear.approximation_error * 1.05 + 1e-12);
       }
       EXPECT_LT(linear.approximation_error, 1e-5);
+    }
+  }
+}
+
+TEST(ModelSchema, WhatABlockNeedsIsWhatItsReaderAsksFor) {
+  const Json schema = model_schema();
+  ASSERT_GT(schema["$defs"]["block"]["oneOf"].size(), 20u);
+  for (const Json& block : schema["$defs"]["block"]["oneOf"]) {
+    const std::string type = block["properties"]["type"]["const"];
+    const std::string said =
+        complaint("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"" + type + "\"\n");
+    const Json& required = block["required"];
+    if (required.size() == 1) {
+      EXPECT_EQ(said.find("is missing"), std::string::npos) << said;
+    } else {
+      bool one = false;
+      for (std::size_t k = 1; k < required.size(); ++k)
+        one = one || said.find(required[k].get<std::string>()) != std::string::npos;
+      EXPECT_TRUE(one) << type << ": " << said;
     }
   }
 }

@@ -1,4 +1,5 @@
 #include "fit/direct/direct_fit.hpp"
+#include "fit/direct/curve_target.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,6 +26,21 @@ BodePoints five() {
   const double g[] = {1, 1.06, 1.1, 1.04, 1.17};
   for (int i = 0; i < 5; ++i) out.points.push_back({Hertz{f[i]}, g[i], std::nullopt, 1.0, 0});
   return out;
+}
+
+TEST(CurveTarget, JoinedPointsLieOnStraightLinesBetweenThem) {
+  const CurveTarget points = make_curve_target(five(), false), all = joined(points, 0.01);
+  ASSERT_EQ(all.frequency.size(), 5u + 4u * 7u);
+  for (std::size_t i = 0; i < all.frequency.size(); ++i) {
+    EXPECT_DOUBLE_EQ(all.weight[i], i < 5 ? points.weight[i] : 0.01);
+    // The points first, then seven in each gap.
+    const std::size_t gap = i < 5 ? std::min<std::size_t>(i, 3) : (i - 5) / 7;
+    const double from = std::log(points.frequency[gap].value), to = std::log(points.frequency[gap + 1].value);
+    const double t = (std::log(all.frequency[i].value) - from) / (to - from);
+    EXPECT_NEAR(t, i < 5 ? static_cast<double>(i - gap) : ((i - 5) % 7 + 1) / 8.0, 1e-12);
+    EXPECT_NEAR(all.log_gain[i], points.log_gain[gap] + t * (points.log_gain[gap + 1] - points.log_gain[gap]),
+                1e-12);
+  }
 }
 
 double a_weighting(double f) {

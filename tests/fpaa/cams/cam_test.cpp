@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "base/error.hpp"
@@ -17,6 +18,32 @@ namespace bodesmith::fpaa {
 namespace {
 
 using Complex = std::complex<double>;
+
+/// The denominators as the header has them, in x = 1/z: poles are inside the unit circle where both roots x are outside.
+TEST(FilterStage, IsStableWhereItsPolesAreInsideTheCircle) {
+  std::mt19937 draw(5);
+  std::uniform_int_distribution<int> units(1, 60);
+  for (const FilterStage::Kind kind : {FilterStage::Kind::second_low, FilterStage::Kind::second_high}) {
+    int stable = 0;
+    for (int i = 0; i < 400; ++i) {
+      FilterStage stage{kind, {}};
+      for (int k = 0; k < 8; ++k) stage.c.push_back(units(draw));
+      const double c2 = stage.c[3], c3 = stage.c[4], c4 = stage.c[5], ca = stage.c[6], cb = stage.c[7];
+      // p0 + p1 x + p2 x^2 of CA D (CB D + C4) + C2 C3 x, or of CA CB D^2 + C3 x (C2 + C4 D), D = 1 - x.
+      const bool low = kind == FilterStage::Kind::second_low;
+      const double p0 = ca * cb + (low ? ca * c4 : 0.0), p2 = ca * cb - (low ? 0.0 : c3 * c4);
+      const double p1 = -2.0 * ca * cb + c2 * c3 + (low ? -ca * c4 : c3 * c4);
+      if (p2 == 0.0) continue;
+      const Complex root = std::sqrt(Complex(p1 * p1 - 4.0 * p0 * p2));
+      const double least = std::min(std::abs((-p1 + root) / (2.0 * p2)), std::abs((-p1 - root) / (2.0 * p2)));
+      if (std::abs(least - 1.0) < 1e-9) continue;
+      EXPECT_EQ(stage.is_stable(), least > 1.0) << i << (low ? " low" : " high");
+      stable += least > 1.0 ? 1 : 0;
+    }
+    EXPECT_GT(stable, 40);
+    EXPECT_LT(stable, 390);
+  }
+}
 
 TEST(CamLibrary, EveryCamFitsInACabOrSaysThatItsResourcesAreUnknown) {
   std::set<std::string_view> names;

@@ -106,6 +106,25 @@ TEST(UpdateStream, MissingCamOrCapacitorSaysWhatToDo) {
   EXPECT_EQ(message(vendor, options), "");
 }
 
+TEST(UpdateStream, TwoCapacitorsAtOneAddressMustBeEqual) {
+  const ApiProject project = parse_api_code(project_source(seed_plan()), "ApiCode.c");
+  ChipPlan chip = seed_plan().chips[0];
+  auto& capacitors = chip.cams[0].capacitors;
+  UpdateOptions options;
+  options.names = {{capacitors[0].name, capacitors[1].name}};
+  capacitors[0].units = capacitors[1].units;
+  for (std::size_t i = 1; i < chip.cams.size(); ++i)
+    chip.cams[i].capacitors[0].units = chip.cams[i].capacitors[1].units;
+  EXPECT_NO_THROW(update_stream(chip, project, options));
+  capacitors[0].units += 1;
+  try {
+    update_stream(chip, project, options);
+    FAIL();
+  } catch (const DesignError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("stand at the same address"));
+  }
+}
+
 TEST(UpdateStream, CArraysReadBack) {
   const ApiProject project = parse_api_code(project_source(seed_plan()), "ApiCode.c");
   const Bytes bytes = encode(update_stream(seed_plan().chips[0], project, {}));

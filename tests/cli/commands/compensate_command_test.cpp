@@ -84,7 +84,7 @@ w = [0.5, 0.2, 0.5]
                                              (folder / "r.csv").string() + " --max-error-percent 1 -o " +
                                              (folder / "drive.csv").string());
   EXPECT_EQ(result.status, 1);
-  EXPECT_NE(result.err.find("more than the model can reach"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("exceed what the model can reach"), std::string::npos) << result.err;
 }
 
 std::string waves() {

@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "project/tracking/tracked_plant.hpp"
+#include "tracking/track.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -67,7 +67,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.refused = std::move(beam.refused);
   result.not_tried = std::move(beam.not_tried);
   result.floor = floor_under(beam.best.model, beam.records);
-  result.holds = beam.holds;
+  result.holds = holds_of(beam.records.train);
   result.train_rms = beam.best.train_rms;
   result.log_evidence = beam.best.log_evidence;
   if (!result.stopped) result.structure = signs_left(beam.best.model, beam.records);

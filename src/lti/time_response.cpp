@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "lti/state_space.hpp"
 #include "numeric/linear_algebra/dense.hpp"
+#include "numeric/optimisation/root.hpp"
 
 namespace bodesmith {
 namespace {
@@ -40,37 +41,39 @@ std::optional<TimeResponse::Figures> figures_of(const Sections& sections, const 
   TimeResponse::Figures out;
   out.final_value = final_value;
   double most = 1.0, last = share(state), low_s = NAN, high_s = NAN;
-  const auto outside = [&](double value) { return std::abs(value - 1.0) > kBand; };
+  double settled_from = NAN;
+  Eigen::VectorXd before_settled;
+  const auto beyond = [](double value) { return std::abs(value - 1.0) - kBand; };
+  const auto outside = [&](double value) { return beyond(value) > 0.0; };
+  /// Where within the interval behind a state the share is at a zero of `f`.
+  const auto crossing = [&](const Eigen::VectorXd& from, const auto& f) {
+    return root_between([&](double t) { return f(share(propagator(system, t) * from)); }, 0.0, interval);
+  };
   // Poles that are equal take longer than one of them.
   for (int k = 0; k < kTimes || (k < 20 * kTimes && std::abs(last - 1.0) > 0.1 * kBand); ++k) {
     const Eigen::VectorXd next = step * state;
     const double value = share(next);
-    /// Where within this interval `beyond` changes.
-    const auto change = [&](const auto& beyond) {
-      double from = 0.0, to = interval;
-      const bool at_first = beyond(last);
-      for (int halving = 0; halving < 30; ++halving) {
-        const double middle = 0.5 * (from + to);
-        (beyond(share(propagator(system, middle) * state)) == at_first ? from : to) = middle;
-      }
-      return k * interval + to;
-    };
     const auto first_above = [&](double level, double& time_s) {
       if (!std::isnan(time_s)) return;
       if (last >= level)
         time_s = k * interval;
       else if (value >= level)
-        time_s = change([&](double at) { return at >= level; });
+        time_s = k * interval + crossing(state, [level](double at) { return at - level; });
     };
     first_above(0.1, low_s);
     first_above(0.9, high_s);
-    if (outside(last) && !outside(value)) out.settling_s = sections.delay_s + change(outside);
+    if (outside(last) && !outside(value)) {
+      settled_from = k * interval;
+      before_settled = state;
+    }
     most = std::max(most, value);
     state = next;
     last = value;
   }
   out.rise_s = high_s - low_s;
   if (std::isnan(out.rise_s) || outside(last)) return std::nullopt;
+  if (before_settled.size() > 0)
+    out.settling_s = sections.delay_s + settled_from + crossing(before_settled, beyond);
   constexpr double kRounding = 1e-12;
   out.overshoot_percent = most - 1.0 > kRounding ? 100.0 * (most - 1.0) : 0.0;
   return out;

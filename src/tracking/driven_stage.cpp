@@ -10,7 +10,7 @@ namespace {
 /// than the drive's own. A lag of a hundred-thousandth of a repeat is left out.
 constexpr double kFarAbove = 1e5;
 
-Sections without_far_roots(Sections sections, double repeat_s) {
+StateSpace without_far_roots(Sections sections, double repeat_s) {
   for (Section& section : sections.sections) {
     const auto is_far = [repeat_s](const Complex& root) { return std::abs(root) * repeat_s > kFarAbove; };
     Section slow = section;
@@ -27,22 +27,21 @@ Sections without_far_roots(Sections sections, double repeat_s) {
     slow.gain = gain.real();
     section = std::move(slow);
   }
-  return sections;
+  return state_space(sections);
 }
 
 std::optional<StateSpace> time_domain_of(const Compensator& c, double repeat_s) {
   if (std::holds_alternative<Uncompensated>(c)) return gain_system(0.0);
   if (std::holds_alternative<SlopeGain>(c)) return gain_system(1.0);
   if (const auto* constant = std::get_if<ConstantGain>(&c)) return gain_system(constant->gain);
-  if (const auto* sections = std::get_if<Sections>(&c))
-    return state_space(without_far_roots(*sections, repeat_s));
+  if (const auto* sections = std::get_if<Sections>(&c)) return without_far_roots(*sections, repeat_s);
   if (const auto* sum = std::get_if<FilterAndSchedule>(&c)) {
-    StateSpace out = state_space(without_far_roots(sum->filter, repeat_s));
+    StateSpace out = without_far_roots(sum->filter, repeat_s);
     out.d += sum->schedule.gain.front();
     return out;
   }
   if (const auto* response = std::get_if<ResponseCompensator>(&c)) {
-    if (response->approximation) return state_space(without_far_roots(*response->approximation, repeat_s));
+    if (response->approximation) return without_far_roots(*response->approximation, repeat_s);
   }
   return std::nullopt;
 }

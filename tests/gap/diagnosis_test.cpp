@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -101,26 +102,21 @@ using namespace bodesmith;
 
 /// A Bouc-Wen loop of sharpness 1.5 behind a gain of 2, input and output in units of 1/scale.
 TimeRecord loop_in_units(const char* file, unsigned seed, double scale) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  TimeRecord r;
-  r.file = file;
-  r.step_s = 1e-3;
-  double x = 0.0;
   double z = 0.0;
   double before = 0.0;
-  for (int i = 0; i < 900; ++i) {
-    x += 0.08 * (normal(random) - x);
-    const double u = std::tanh(3.0 * x);
-    for (int k = 0; k < 10; ++k) {
-      const double du = 0.1 * (u - before);
-      z += 0.3 * du - 2.0 * std::abs(du) * std::sqrt(std::abs(z)) * z - 1.0 * du * std::pow(std::abs(z), 1.5);
-    }
-    before = u;
-    r.u.push_back(scale * u);
-    r.y.push_back(scale * (2.0 * (u - z) + 0.003 * normal(random)));
-  }
-  return r;
+  return of_smoothed_noise(
+      file, seed, 900, 1e-3,
+      [&](int, double x, double e) {
+        const double u = std::tanh(3.0 * x);
+        for (int k = 0; k < 10; ++k) {
+          const double du = 0.1 * (u - before);
+          z += 0.3 * du - 2.0 * std::abs(du) * std::sqrt(std::abs(z)) * z -
+               1.0 * du * std::pow(std::abs(z), 1.5);
+        }
+        before = u;
+        return std::pair(scale * u, scale * (2.0 * (u - z) + 0.003 * e));
+      },
+      0.08);
 }
 
 gap::Diagnosis diagnosis_in_units(double scale) {

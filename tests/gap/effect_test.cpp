@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "base/documents/json.hpp"
 #include "chain/registry.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
 #include "gap/made_model.hpp"
+#include "gap/made_record.hpp"
 #include "gap/report/files.hpp"
 
 namespace {
@@ -39,20 +41,11 @@ class SixthPower final : public gap::Effect {
 };
 
 TimeRecord record_with_sixth_power(const char* file, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  TimeRecord r;
-  r.file = file;
-  r.step_s = 1e-3;
-  double x = 0.0;
-  for (int i = 0; i < 2000; ++i) {
-    x += 0.1 * (normal(random) - x);
+  return of_smoothed_noise(file, seed, 2000, 1e-3, [](int, double x, double e) {
     const double u = std::tanh(3.0 * x);
     const double v = 1.3 * u;
-    r.u.push_back(u);
-    r.y.push_back(v + 0.05 * std::pow(v, 6) + 0.002 * normal(random));
-  }
-  return r;
+    return std::pair(u, v + 0.05 * std::pow(v, 6) + 0.002 * e);
+  });
 }
 
 TEST(RegisteredEffect, IsNamedByDiagnose) {

@@ -27,6 +27,25 @@ inline TimeRecord measured(const std::string& truth, std::vector<double> input, 
   return r;
 }
 
+/// White noise x that is smoothed over 1/share samples; `sample(i, x, e)` makes u and y of it and of an e of the standard normal distribution.
+template <class Sample>
+TimeRecord of_smoothed_noise(const char* file, unsigned seed, int samples, double step_s,
+                             const Sample& sample, double share = 0.1) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  TimeRecord r;
+  r.file = file;
+  r.step_s = step_s;
+  double x = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    x += share * (normal(random) - x);
+    const auto [u, y] = sample(i, x, normal(random));
+    r.u.push_back(u);
+    r.y.push_back(y);
+  }
+  return r;
+}
+
 /// So many samples, 1 ms apart, of a sine at hz and half of one at 2.7 hz.
 inline std::vector<double> two_sines(int samples, double size, double hz) {
   std::vector<double> u;

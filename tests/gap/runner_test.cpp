@@ -5,9 +5,11 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "gap/effect.hpp"
 #include "gap/made_model.hpp"
+#include "gap/made_record.hpp"
 #include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
@@ -26,19 +28,11 @@ chain::Chain resonator() {
 
 /// Smoothed noise through a gain of 2, with a line.
 gap::Experiments record(int samples, double step_s, double line_hz, double amplitude) {
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
-  TimeRecord r;
-  r.file = "record.csv";
-  r.step_s = step_s;
-  double x = 0.0;
-  for (int i = 0; i < samples; ++i) {
-    x += 0.1 * (normal(random) - x);
-    r.u.push_back(x);
-    r.y.push_back(2.0 * x + amplitude * std::sin(2.0 * std::numbers::pi * line_hz * step_s * i + 0.4) +
-                  0.3 * normal(random));
-  }
-  return {gap::TimeExperiment(std::move(r))};
+  return {
+      gap::TimeExperiment(of_smoothed_noise("record.csv", 5, samples, step_s, [&](int i, double x, double e) {
+        return std::pair(
+            x, 2.0 * x + amplitude * std::sin(2.0 * std::numbers::pi * line_hz * step_s * i + 0.4) + 0.3 * e);
+      }))};
 }
 
 TEST(Threads, FitsComeToTheSameBitsOnAnyNumber) {

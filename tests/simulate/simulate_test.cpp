@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "chain/bent_block.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "simulate/records.hpp"
@@ -107,32 +108,9 @@ namespace bodesmith::simulate {
 namespace {
 
 using chain::Block;
-using chain::BlockType;
-using chain::CurveKernel;
-using chain::Kernel;
 
-/// y = u + amount u|u|/2: known to nobody but this file.
-class BentType final : public BlockType {
- public:
-  BentType()
-      : BlockType("bent_in_simulate_test", "bends the input",
-                  {above_zero("amount", "1/u", "how much").with_default(0.5)}) {}
-  Kernel kernel(const Block& block) const override { return std::make_unique<Curve>(block.get("amount")); }
-
- private:
-  class Curve final : public CurveKernel {
-   public:
-    explicit Curve(double amount) : amount_(amount) {}
-    double value(double u) const override { return u + 0.5 * amount_ * u * std::abs(u); }
-    double slope(double u) const override { return 1.0 + amount_ * std::abs(u); }
-
-   private:
-    double amount_;
-  };
-};
-
-const BentType& bent_block() {
-  static const BentType type;
+const chain::BentType& bent_block() {
+  static const chain::BentType type("bent_in_simulate_test");
   return type;
 }
 

@@ -88,6 +88,10 @@ void set_holds(Experiments& experiments, std::size_t holds) {
   }
 }
 
+std::size_t holds_of(const Experiments& experiments) {
+  return are_responses(experiments) ? 1 : std::get<TimeExperiment>(experiments.front()).holds();
+}
+
 std::size_t scored_samples(const Experiments& experiments) {
   std::size_t total = 0;
   for (const auto& e : experiments)

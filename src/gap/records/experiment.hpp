@@ -135,6 +135,8 @@ Visitor(Functions...) -> Visitor<Functions...>;
 bool are_responses(const Experiments& experiments);
 /// Of all time records (TimeExperiment::set_holds).
 void set_holds(Experiments& experiments, std::size_t holds);
+/// Theirs; 1 of responses.
+std::size_t holds_of(const Experiments& experiments);
 /// Samples scored in all of them.
 std::size_t scored_samples(const Experiments& experiments);
 /// The largest range of them.

@@ -239,11 +239,9 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
 /// fitted anew, as is the base model's, and names go without which the evidence is greater. If that comes further, it was so.
 void without_the_engines_own(const SearchSetting& setting, const PlacedSet& base_set, Beam& beam) {
   const std::size_t holds = enough_holds(beam.best.model, beam.records.train);
-  if (holds == beam.holds) return;
+  if (holds == holds_of(beam.records.train)) return;
   Beam finer = beam;
-  finer.holds = holds;
-  set_holds(finer.records.train, holds);
-  set_holds(finer.records.stretches, holds);
+  finer.records.set_holds(holds);
   const auto fitted = [&](PlacedSet set) {
     set.model = fit_in_turn(setting, finer.records, std::move(set.model)).model;
     weigh(finer.records, set);
@@ -309,9 +307,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   if (!left && !could_be_fewer(beam.best.model)) return;
   Beam base;
   base.records = std::move(base_records);
-  base.holds = beam.holds;
-  set_holds(base.records.train, beam.holds);
-  set_holds(base.records.stretches, beam.holds);
+  base.records.set_holds(holds_of(beam.records.train));
   base.best = base_set;
   base.first = beam.first;
   try_pairs(setting, base, beam);

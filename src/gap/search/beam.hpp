@@ -33,7 +33,6 @@ struct Beam {
   std::vector<Ranked> first;    ///< ranking of the first round
   std::vector<Ranked> refused;  ///< of the round in which nothing was worth its name
   std::vector<std::string> not_tried = {};
-  std::size_t holds = 1;  ///< of the engine to a sample, by which the best set was found at last
   bool smooth_input = false;
 };
 

@@ -43,7 +43,7 @@ std::size_t enough_holds(const Model& model, const Experiments& train) {
     set_holds(records, holds);
     return residuals_of(model, records);
   };
-  std::size_t holds = std::get<TimeExperiment>(train.front()).holds();
+  std::size_t holds = holds_of(train);
   for (std::vector<double> now = residuals(holds); holds < kMostHolds; holds *= 2) {
     std::vector<double> finer = residuals(2 * holds);
     if (now.size() != finer.size()) break;

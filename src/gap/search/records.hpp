@@ -20,6 +20,10 @@ struct SearchRecords {
   Experiments stretches;  ///< the liveliest parts of long training records; empty when they are not long
 
   bool are_long() const { return !stretches.empty(); }
+  void set_holds(std::size_t holds) {
+    gap::set_holds(train, holds);
+    gap::set_holds(stretches, holds);
+  }
   /// What is looked at first.
   const Experiments& look() const { return are_long() ? stretches : train; }
 };

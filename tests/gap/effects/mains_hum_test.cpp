@@ -5,11 +5,13 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/made_model.hpp"
+#include "gap/made_record.hpp"
 #include "simulate/simulate.hpp"
 
 namespace {
@@ -23,20 +25,11 @@ struct HumOf {
 };
 
 TimeRecord record_with_hum(const char* file, double step_s, const HumOf& hum, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  TimeRecord r;
-  r.file = file;
-  r.step_s = step_s;
-  double x = 0.0;
-  for (int i = 0; i < 1200; ++i) {
-    x += 0.1 * (normal(random) - x);
+  return of_smoothed_noise(file, seed, 1200, step_s, [&](int i, double x, double e) {
     const double t = step_s * i;
-    r.u.push_back(x);
-    r.y.push_back(2.0 * x + hum.amplitude * std::sin(2.0 * std::numbers::pi * hum.hz * t + hum.phase) +
-                  0.005 * normal(random));
-  }
-  return r;
+    return std::pair(
+        x, 2.0 * x + hum.amplitude * std::sin(2.0 * std::numbers::pi * hum.hz * t + hum.phase) + 0.005 * e);
+  });
 }
 
 chain::Chain gain_of_two() {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "base/documents/json.hpp"
 #include "gap/diagnosis.hpp"
@@ -48,18 +49,9 @@ using namespace bodesmith;
 
 /// y = 2 u + offset + noise of .01.
 TimeRecord line_with(const char* file, unsigned seed, double offset) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  TimeRecord r;
-  r.file = file;
-  r.step_s = 1e-3;
-  double x = 0.0;
-  for (int i = 0; i < 600; ++i) {
-    x += 0.1 * (normal(random) - x);
-    r.u.push_back(x);
-    r.y.push_back(2.0 * x + offset + 0.01 * normal(random));
-  }
-  return r;
+  return of_smoothed_noise(file, seed, 600, 1e-3, [&](int, double x, double e) {
+    return std::pair(x, 2.0 * x + offset + 0.01 * e);
+  });
 }
 
 gap::Diagnosis diagnosis_with(double offset) {

@@ -9,7 +9,7 @@ namespace {
 
 /// Of its time constants that a filter is left to settle: 3e-4 of its start is left.
 constexpr double kTimeConstants = 8.0;
-/// Of the fast clock: loop and slope detector.
+/// Of the fast clock, from rest: loop and slope detector.
 constexpr double kSettlingCycles = 500.0;
 
 /// The slowest time constant of a transfer of first or second order, in cycles; 0 without poles.
@@ -69,6 +69,8 @@ ControllerRun::ControllerRun(const ControllerVariant& variant, const ControllerR
 }
 
 double ControllerRun::drive(double time_s) {
+  if (time_s - last_s_ > 2.0 * settling_s_) simulation_->skip_towards(time_s);  // settles anew from there on
+  last_s_ = time_s;
   simulation_->advance_to(settling_s_ + time_s);
   return scale_.stroke(simulation_->value(drive_));
 }

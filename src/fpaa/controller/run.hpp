@@ -24,13 +24,14 @@ class ControllerRun {
   /// which the drive is there.
   ControllerRun(const ControllerVariant& variant, const ControllerReference& reference);
 
-  /// The drive, share of the stroke, at a time >= 0 that is not before the last one.
+  /// The drive, share of the stroke, at a time >= 0 that is not before the last one. Where the last one is long ago it has
+  /// settled in between: that is passed over.
   double drive(double time_s);
   /// CAMs that clipped since t = 0, the slope detector's (which may) left out.
   std::vector<std::string> clipped() const;
 
  private:
-  double settling_s_;
+  double settling_s_, last_s_ = 0.0;
   VoltScale scale_;
   std::string drive_;
   std::unique_ptr<BoardRun> simulation_;

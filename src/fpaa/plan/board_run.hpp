@@ -39,6 +39,9 @@ class BoardRun {
 
   /// Everything up to and including this time.
   void advance_to(double time_s);
+  /// On towards this time by whole periods that all clocks have in common, during which nothing is read or switched: for
+  /// inputs that have hardly moved where it has been settled.
+  void skip_towards(double time_s);
   /// What stands at a CAM's output, or a part's, now.
   double value(const std::string& name);
   /// CAMs whose output was beyond full scale since the last forget_clipping().

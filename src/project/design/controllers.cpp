@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "project/tracking/tracked_plant.hpp"
+#include "synthesis/controller/as_built.hpp"
 #include "tracking/reference.hpp"
 
 namespace bodesmith::project {
@@ -49,9 +50,13 @@ AnalogControllerMade make_analog_controller(const Project& project) {
     try {
       out.controller = std::make_shared<const generator::DisturbanceCircuit>(
           generator::make_controller(project.target.disturbance, options));
+      for (const Hertz f : {options.lowest, std::ranges::max(options.tracked, {}, &Hertz::value)})
+        if (out.controller->switched())
+          generator::switch_delay_s(*out.controller, tracking::Reference(), f);  // refuses
       return out;
     } catch (const DesignError& error) {
       if (project.controller.form) throw;
+      out.controller.reset();
       out.passed_over.push_back("controller, " + std::string(to_string(form)) + ": " + error.what());
     }
   }

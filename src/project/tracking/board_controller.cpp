@@ -18,8 +18,8 @@ namespace {
 
 using tracking::TrackingError;
 
-/// Samples of one repeat of the reference: enough to see every hold of a fast reference, and the whole of a
-/// slow one.
+/// Samples of one repeat of the reference: enough to see every hold of a fast one. A slow one is the whole of what there is to
+/// see: holds are far shorter than anything that it does.
 constexpr double kSamplesPerCycle = 2.0;
 constexpr std::size_t kFewestSamples = 4096;
 constexpr std::size_t kMostSamples = 65536;
@@ -30,7 +30,7 @@ std::size_t sample_count(double repeat_s, Hertz clock) {
   const double wanted = kSamplesPerCycle * repeat_s * clock.value;
   std::size_t out = kFewestSamples;
   while (out < kMostSamples && static_cast<double>(out) < wanted) out *= 2;
-  return out;
+  return static_cast<double>(out) < wanted ? kFewestSamples : out;
 }
 
 Hertz fastest_clock(const fpaa::ControllerVariant& variant) {

@@ -116,8 +116,8 @@ double switch_delay_s(const DisturbanceCircuit& controller, const Reference& ref
   const std::optional<double> delay =
       detector.delay_s(repeating(reference, repeat), turn * repeat, repeat, (1.0 + next) * repeat);
   if (!delay) {
-    throw InputError(fmt::format("a {} of {} Hz is too slow for the slope detector",
-                                 to_string(reference.shape()), rounded_text(operating.value)));
+    throw DesignError(fmt::format("the slope detector misses the turns of a {} of {} Hz",
+                                  to_string(reference.shape()), rounded_text(operating.value)));
   }
   return *delay + controller.analog_switch.on_delay_s;
 }

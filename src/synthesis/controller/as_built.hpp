@@ -70,7 +70,7 @@ SteadyState run_in_cvode(const DisturbanceCircuit& controller, const tracking::R
                          Hertz operating, std::size_t samples, const std::vector<double>& at_s = {});
 
 /// From the turn at the end of a repeat to the new contact: slope detector (integrated from its circuit) and
-/// switch. InputError when the slope never reaches the detector's threshold.
+/// switch. DesignError when the slope never reaches the detector's threshold.
 double switch_delay_s(const DisturbanceCircuit& controller, const tracking::Reference& reference,
                       Hertz operating);
 

@@ -107,6 +107,23 @@ double worst_residue(const ControllerVariant& variant, const Disturbance& d, dou
   return out;
 }
 
+// Samples far apart are those of a run that leaves no clock out.
+TEST(Controller, SlowReferencesArePassedOverWhereTheLoopHasSettled) {
+  const Controller controller =
+      value_or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), {}));
+  constexpr double kHertz = 0.5, kApart_s = 0.1012345;
+  constexpr int kBetween = 100;
+  for (const ControllerVariant& variant : controller.variants) {
+    if (!variant.fits() || variant.structure != ControllerStructure::loop) continue;
+    const ControllerVariant at = variant.at(seed_disturbance(), {kHertz});
+    ControllerRun passing(at, triangle(kHertz)), whole(at, triangle(kHertz));
+    for (int i = 1; i < 5; ++i) {
+      for (int k = 1; k < kBetween; ++k) whole.drive((i - 1 + static_cast<double>(k) / kBetween) * kApart_s);
+      EXPECT_NEAR(passing.drive(i * kApart_s), whole.drive(i * kApart_s), 1e-9) << variant.name() << " " << i;
+    }
+  }
+}
+
 TEST(Controller, SeedsWholeControllerFitsTheFourChips) {
   const Controller controller =
       value_or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), {}));

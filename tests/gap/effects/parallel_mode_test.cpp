@@ -115,6 +115,57 @@ TEST(ParallelModesInResponse, StandInParallelWithTheResonatorWhateverCameBetween
   EXPECT_EQ(blocks[2].get("resonator_hz"), blocks[0].get("natural_frequency_hz"));
 }
 
+/// The model of a gain with these modes {hz, damping, share} in parallel, and a scene up to 1 kHz.
+struct WithModes {
+  gap::Model model{made::free_gain(2.0)};
+  gap::Scene scene;
+  explicit WithModes(const std::vector<std::vector<double>>& modes) {
+    const gap::Experiments train = {
+        gap::FrequencyExperiment(made::measured([](double hz) { return 2.0 + made::mode(hz, 100.0, 0.02); },
+                                                5.0, 1000.0, 60, [](double) { return 0.01; }, 5))};
+    for (const auto& values : modes) {
+      std::vector<gap::Proposal> proposals;
+      gap::effect_registry().get("parallel_mode").propose(gap::make_scene(model, train), proposals);
+      model = proposals.front().model;
+      auto all = gap::current_values(model);
+      std::copy(values.begin(), values.end(), all.end() - 3);
+      model.set_values(all);
+    }
+    scene = gap::make_scene(model, train);
+  }
+  bool no_name() const {
+    return gap::effect_registry().get("parallel_mode").is_no_name(model, model.terms().back(), scene);
+  }
+};
+
+TEST(ParallelModes, ShareOneBlockAndAddUp) {
+  const WithModes two({{180.0, 0.02, 0.3}, {310.0, 0.015, -0.1}});
+  const auto chain = two.model.chain();
+  ASSERT_EQ(chain.blocks.size(), 2U);
+  for (const double hz : {20.0, 170.0, 300.0, 900.0}) {
+    const Complex expected =
+        2.0 * (1.0 + 0.3 * made::mode(hz, 180.0, 0.02) - 0.1 * made::mode(hz, 310.0, 0.015));
+    EXPECT_LT(std::abs(*chain.response(Hertz{hz}.rad_s()) - expected), 1e-9) << hz;
+  }
+}
+
+TEST(ParallelModes, AreNoNameBeyondTheBandWhereTheyCancelOrHideThePath) {
+  EXPECT_FALSE(WithModes({{180.0, 0.02, 0.3}}).no_name());
+  EXPECT_TRUE(WithModes({{1100.0, 0.02, 0.3}}).no_name());
+  EXPECT_TRUE(WithModes({{4.0, 0.02, 0.3}}).no_name());
+  // Of opposite sign within the sum of their half-widths, 180 (0.02 + 0.03) = 9 Hz.
+  EXPECT_TRUE(WithModes({{180.0, 0.02, 0.3}, {186.0, 0.03, -0.3}}).no_name());
+  EXPECT_FALSE(WithModes({{180.0, 0.02, 0.3}, {186.0, 0.03, 0.3}}).no_name());
+  EXPECT_FALSE(WithModes({{180.0, 0.02, 0.3}, {194.0, 0.03, -0.3}}).no_name());
+  // A share of 5 has its zero sqrt(6) above the pole: within 1 kHz for a pole at 350 Hz, beyond for one at 450 Hz.
+  EXPECT_FALSE(WithModes({{350.0, 0.02, 5.0}}).no_name());
+  EXPECT_TRUE(WithModes({{450.0, 0.02, 5.0}}).no_name());
+  EXPECT_FALSE(WithModes({{450.0, 0.02, 3.9}}).no_name());
+  // Shares are of what else there is at the mode: at 450 Hz 1 - 1.2/1.25 is left beside a mode at 300 Hz.
+  EXPECT_FALSE(WithModes({{450.0, 0.02, 1.0}}).no_name());
+  EXPECT_TRUE(WithModes({{300.0, 0.02, 1.2}, {450.0, 0.02, 1.0}}).no_name());
+}
+
 /// Of a stage whose sensor sees its second mode the other way round.
 TimeRecord record_beside(hidden::Drive drive, unsigned seed) {
   constexpr std::size_t kRows = 1200;

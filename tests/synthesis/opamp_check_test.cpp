@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numbers>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -68,6 +70,108 @@ TEST(OpAmpCheck, StatesTheCurrentOfTheHardestWorkingOutput) {
   EXPECT_FALSE(tells(check));
   circuit.opamp.greatest_output_current_a = 9e-3;
   EXPECT_TRUE(tells(check_opamps(circuit, band, 10.0)));
+}
+
+/// -100k/10k of one op-amp, described as a stage, with a capacitor of this many farad at its output.
+Circuit loaded(double farad) {
+  Circuit out = inverting(10e3, 100e3);
+  if (farad > 0.0) {
+    Part c;
+    c.name = "C1";
+    c.kind = Part::Kind::capacitor;
+    c.from = "out";
+    c.to = "0";
+    c.realised = farad;
+    out.parts.push_back(c);
+  }
+  return out;
+}
+
+// L = A(s) beta: behind Ro with the load and the feedback's resistors on it, beta = R1/(R1 + R2).
+TEST(OpAmpCheck, PhaseMarginIsThatOfTheLoopByHand) {
+  for (const double farad : {0.0, 1e-9, 100e-9}) {
+    const Circuit circuit = loaded(farad);
+    const OpAmpModel& model = circuit.opamp;
+    const auto loop = [&](double f) {
+      const Complex load = 1.0 / 110e3 + Complex(0.0, 2.0 * std::numbers::pi * f * farad);
+      return model.open_loop(Hertz{f}.rad_s()) / 11.0 / (1.0 + model.output_resistance_ohm * load);
+    };
+    double low = 1e3, high = 1e8;
+    for (int i = 0; i < 60; ++i)
+      (std::abs(loop(std::sqrt(low * high))) > 1.0 ? low : high) = std::sqrt(low * high);
+    const double margin = 180.0 + std::arg(loop(low)) * 180.0 / std::numbers::pi;
+    const OpAmpCheck check = check_opamps(circuit, {Hertz{10}, Hertz{1000}});
+    EXPECT_NEAR(check.min_phase_margin_deg, std::min(margin, 90.0), 0.2) << farad;
+    EXPECT_EQ(check.tightest_stage, farad > 0.0 ? 1U : 0U);
+  }
+}
+
+TEST(OpAmpCheck, EachFigureWarnsFromItsLimitOn) {
+  const Realised made = realise(seed_sections());
+  const Band band = made.report.band;
+  const OpAmpCheck good = check_opamps(made.circuit, band);
+  ASSERT_TRUE(good.warnings.empty());
+  const auto warnings = [&](const std::function<void(OpAmpModel&)>& change, double amplitude_v = 1.0) {
+    Circuit circuit = made.circuit;
+    change(circuit.opamp);
+    return check_opamps(circuit, band, amplitude_v).warnings;
+  };
+  const auto only = [](const std::vector<std::string>& all, const std::string& words) {
+    return all.size() == 1 && all[0].find(words) != std::string::npos;
+  };
+  const double full = good.full_swing_hz;
+  const auto slew_for = [&](double times) {
+    return warnings([&](OpAmpModel& m) { m.slew_v_per_s *= times * band.to.value / full; });
+  };
+  EXPECT_TRUE(slew_for(1.01).empty());
+  EXPECT_TRUE(only(slew_for(0.99), "slews above"));
+  // The slew rate is that of a sine at the highest node: twice the amplitude, half the frequency.
+  EXPECT_NEAR(check_opamps(made.circuit, band, 2.0).full_swing_hz, 0.5 * full, 1e-9 * full);
+  const double highest = made.circuit.opamp.slew_v_per_s / (2.0 * std::numbers::pi * full);
+  EXPECT_TRUE(warnings([&](OpAmpModel& m) { m.swing_v = 1.01 * highest; }).empty());
+  EXPECT_TRUE(only(warnings([&](OpAmpModel& m) { m.swing_v = 0.99 * highest; }), "a stage reaches"));
+  const double current = good.output_current_a;
+  EXPECT_TRUE(warnings([&](OpAmpModel& m) { m.greatest_output_current_a = 1.01 * current; }).empty());
+  EXPECT_TRUE(
+      only(warnings([&](OpAmpModel& m) { m.greatest_output_current_a = 0.99 * current; }), "delivers"));
+  EXPECT_NEAR(check_opamps(made.circuit, band, 3.0).output_current_a, 3.0 * current, 1e-9 * current);
+  const auto offset_for = [&](double part) {
+    return warnings([&](OpAmpModel& m) {
+      m.offset_v *= part * 0.01 / good.output_offset_v;
+      m.bias_current_a *= part * 0.01 / good.output_offset_v;
+    });
+  };
+  EXPECT_TRUE(offset_for(0.99).empty());
+  EXPECT_TRUE(only(offset_for(1.01), "add up to"));
+  EXPECT_NEAR(good.noise_rms_v, schematic::output_noise_rms(made.circuit, band), 1e-12);
+}
+
+TEST(OpAmpCheck, TheHardestResonanceAsksForAHundredTimesItsFrequency) {
+  Sections pairs;
+  for (const auto& [hz, damping] : {std::pair(1000.0, 0.1), std::pair(3000.0, 0.25)}) {
+    const double w = Hertz{hz}.rad_s().value;
+    const Complex pole = w * Complex(-damping, std::sqrt(1.0 - damping * damping));
+    Section one;
+    one.gain = w * w;
+    one.poles = {pole, std::conj(pole)};
+    pairs.sections.push_back(one);
+  }
+  RealiseOptions options;
+  options.opamp.gain_bandwidth = Hertz{100e6};
+  const Realised made = realise(pairs, options);
+  const OpAmpCheck check = check_opamps(made.circuit, made.report.band);
+  // Q = 5 and 2: at 3 kHz times 2 more is asked than at 1 kHz times 5.
+  EXPECT_NEAR(check.highest_q, 5.0, 0.1);
+  const auto asks = [&](double hz) {
+    Circuit circuit = made.circuit;
+    circuit.opamp.gain_bandwidth = Hertz{hz};
+    for (const std::string& one : check_opamps(circuit, made.report.band).warnings) {
+      if (one.find("requires a gain-bandwidth") != std::string::npos) return one;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(asks(0.62e6), "");
+  EXPECT_NE(asks(0.58e6).find("Q = 2"), std::string::npos) << asks(0.58e6);
 }
 
 TEST(OpAmpLibrary, BuiltInTypesAreSane) {

@@ -24,6 +24,8 @@ struct EffectFacts {
       false;  ///< the same in frequency responses, where each shows at a place of its own
   /// Its start values are found in the residual, so they are worth finding from more than one model.
   bool starts_from_residual = false;
+  /// A circuit whose capacitors and op-amps are known has no dynamics but theirs: next to them this is implausible.
+  bool of_no_circuit = false;
   int places_a_round = 2;  ///< and forms, that are fitted at the most
 
   bool may_repeat(bool in_response) const { return repeatable || (in_response && repeatable_in_response); }
@@ -38,7 +40,9 @@ class Effect {
   std::string_view name() const { return facts_.name; }
   /// The values of its term, a model's last one, lie where another effect is the usual cause of the same traces (docs/gap.md, 7): when that one
   /// fits as well, it has the name.
-  virtual bool is_implausible(const Model& /*model*/, const Scene& /*scene*/) const { return false; }
+  virtual bool is_implausible(const Model& model, const Scene& /*scene*/) const {
+    return facts_.of_no_circuit && model.opamps_are_known();
+  }
   /// The values of its term in a model make it no name: it is another effect's form (a loop without width is a curve), or
   /// less than the records can tell. `scene`: of that model, or of the one without the term.
   virtual bool is_no_name(const Model& /*model*/, const Term& /*term*/, const Scene& /*scene*/) const {

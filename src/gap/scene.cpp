@@ -188,7 +188,10 @@ std::vector<std::size_t> Scene::linear_places() const {
   std::vector<std::size_t> places;
   // The last boundary of every stretch of linear blocks (all of them stand for the same model).
   for (std::size_t i = 0; i <= end(); ++i) {
-    if (i == end() || !linear(i)) places.push_back(i);
+    if (i < end() && linear(i)) continue;
+    std::size_t at = i;
+    while (at > 0 && !model->is_base(at - 1) && adds_constant(at - 1)) --at;
+    places.push_back(at);
   }
   return places;
 }
@@ -203,12 +206,13 @@ std::vector<std::size_t> Scene::static_places() const {
 
 std::vector<std::size_t> Scene::memory_places() const {
   auto places = static_places();
-  std::erase_if(places, [&](std::size_t at) {
-    if (at == 0) return false;
-    const auto line = model->at(at - 1).affine();
-    return line && line->constant != 0.0;
-  });
+  std::erase_if(places, [&](std::size_t at) { return at > 0 && adds_constant(at - 1); });
   return places;
+}
+
+bool Scene::adds_constant(std::size_t position) const {
+  const auto line = model->at(position).affine();
+  return line && line->constant != 0.0;
 }
 
 std::vector<double> Scene::beyond_band_hz(double times, int count) const {

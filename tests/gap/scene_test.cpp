@@ -1,11 +1,13 @@
-// Steps have their power far below what their edges tell: effects are looked for there as well.
+// Where and at which frequencies effects are looked for.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "gap/diagnosis.hpp"
+#include "gap/effect.hpp"
 #include "gap/made_model.hpp"
 #include "gap/scene.hpp"
 
@@ -55,6 +57,24 @@ TimeRecord staircase(unsigned seed) {
     r.y.push_back(y + 0.01 * normal(random));
   }
   return r;
+}
+
+/// Where a linear effect is looked for behind a gain and what `effect` adds at the output.
+std::vector<std::size_t> linear_places_with(const char* effect) {
+  const chain::Chain base = chain_of_a_line();
+  const gap::Model model(base);
+  const auto study = gap::Study::of({staircase(1)}, {staircase(2)}, base);
+  const auto bare = gap::make_scene(model, study.train());
+  std::vector<gap::Proposal> proposals;
+  gap::effect_registry().get(effect).propose(bare, proposals);
+  return gap::make_scene(proposals.back().model, study.train()).linear_places();
+}
+
+// The system does not answer to what is added behind it.
+TEST(ScenePlaces, OfDynamicsAreInFrontOfWhatIsAddedAtTheOutput) {
+  EXPECT_EQ(linear_places_with("amplifier_pole"), std::vector<std::size_t>{2});
+  EXPECT_EQ(linear_places_with("drift"), std::vector<std::size_t>{1});
+  EXPECT_EQ(linear_places_with("offset"), std::vector<std::size_t>{1});
 }
 
 TEST(BeyondBand, IsFilledWhereTheDriveIsSlow) {

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 
@@ -16,19 +14,10 @@ class AmplifierPole final : public Effect {
                  "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
                  "a pole does not)",
              .linear = true,
-             .repeatable_in_response = true}) {}
+             .repeatable_in_response = true,
+             .of_no_circuit = true}) {}
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
     return scene.is_between_samples(1.0 / Hertz{term.unknowns.front().value}.rad_s().value);
-  }
-  /// A circuit whose op-amps are known has no lag but theirs.
-  bool is_implausible(const Model& model, const Scene& /*scene*/) const override {
-    for (std::size_t at = 0; at < model.size(); ++at) {
-      const auto& parts = model.at(at).parts;
-      if (parts &&
-          std::any_of(parts->begin(), parts->end(), [](const auto& p) { return !p.noise_gain.empty(); }))
-        return true;
-    }
-    return false;
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double b = scene.band_hz;

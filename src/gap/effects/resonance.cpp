@@ -16,7 +16,8 @@ class Resonance final : public Effect {
                 .what = "a second-order mode",
                 .experiment = "a sweep through the suspected frequency",
                 .linear = true,
-                .repeatable_in_response = true}) {}
+                .repeatable_in_response = true,
+                .of_no_circuit = true}) {}
   /// Above what is sampled it is a lag.
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
     return !scene.frequency_only && term.unknowns.front().value > scene.top_hz;

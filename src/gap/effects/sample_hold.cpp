@@ -59,26 +59,23 @@ class SampleHold final : public Effect {
     const bool lags = lag_s > 0.0 && !scene.is_between_samples(lag_s);
     const bool images = images_stand_out(scene);
     if (!images && !lags) return;
-    // At the end linear dynamics behind the hold have not to be undone, and what is late in front of them is late there.
-    std::array<Starts, 2> at_end;
-    parallel_for(2, scene.threads, [&](std::size_t half) {
-      if (images) at_end[half] = clocks_of_hold(scene, scene.end(), half == 1);
-      if (!lags) return;
-      const double guess =
-          std::clamp((half == 1 ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
-      const auto more = clocks_of_hold(scene, scene.end(), half == 1, guess);
-      at_end[half].insert(at_end[half].end(), more.begin(), more.end());
-    });
     const std::vector<std::size_t> places = scene.static_places();
+    // What is late in front of linear dynamics is late at the end too, where they have not to be undone.
     std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
     parallel_for(found.size(), scene.threads, [&](std::size_t i) {
       const std::size_t at = places[i / 2];
       const bool half = i % 2 == 1;
-      found[i] = at_end[half ? 1 : 0];
-      if (!images || at == scene.model->size() || !dynamics_follow(scene, at)) return;
-      const auto more = clocks_of_hold(scene, at, half);
-      found[i].insert(found[i].begin(), more.begin(), more.end());
+      if (at != scene.end() && !dynamics_follow(scene, at)) return;
+      if (images) found[i] = clocks_of_hold(scene, at, half);
+      if (!lags) return;
+      const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
+      found[i].push_back({guess});
+      const auto more = clocks_of_hold(scene, at, half, guess);
+      found[i].insert(found[i].end(), more.begin(), more.end());
     });
+    const std::array at_end = {found[found.size() - 2], found.back()};
+    for (std::size_t i = 0; i + 2 < found.size(); ++i)
+      found[i].insert(found[i].end(), at_end[i % 2].begin(), at_end[i % 2].end());
     for (std::size_t place = 0; place < places.size(); ++place) {
       const std::size_t at = places[place];
       for (const bool half : {false, true}) {

@@ -24,7 +24,8 @@ class SlewLimit final : public Effect {
   SlewLimit()
       : Effect({.name = "slew_limit",
                 .what = "the rate of change is limited",
-                .experiment = "the same step at two amplitudes: the ramp's slope stays"}) {}
+                .experiment = "the same step at two amplitudes: the ramp's slope stays",
+                .places_a_round = 4}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.static_places()) {
       const auto& signal = scene.boundary[at];

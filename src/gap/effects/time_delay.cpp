@@ -10,7 +10,8 @@ class TimeDelay final : public Effect {
       : Effect({.name = "time_delay",
                 .what = "the signal arrives later",
                 .experiment = "a sweep to higher frequencies: a pole loses gain, a delay does not",
-                .linear = true}) {}
+                .linear = true,
+                .of_no_circuit = true}) {}
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
     return scene.is_between_samples(term.unknowns.front().value);
   }

@@ -119,10 +119,21 @@ std::vector<int> Model::line_blocks() const {
 }
 
 std::size_t Model::end() const {
-  const auto lines = line_blocks();
+  const auto is_added = [](const Slot& slot) {
+    const auto& type = slot.block.type().name();
+    return slot.base_number == 0 && (type == "hum" || type == "drift");
+  };
   std::size_t end = size();
-  while (end > 0 && std::find(lines.begin(), lines.end(), slots_[end - 1].id) != lines.end()) --end;
+  while (end > 0 && is_added(slots_[end - 1])) --end;
   return end;
+}
+
+bool Model::opamps_are_known() const {
+  return std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) {
+    const auto& parts = slot.block.parts;
+    return parts &&
+           std::any_of(parts->begin(), parts->end(), [](const auto& p) { return !p.noise_gain.empty(); });
+  });
 }
 
 std::size_t Model::first_unknown_of(std::size_t term) const {

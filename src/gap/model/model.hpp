@@ -87,10 +87,12 @@ class Model {
   std::string placed(std::size_t position) const;
 
   const std::vector<Term>& terms() const { return terms_; }
-  /// Hum blocks whose size and phase are each record's own; they stand at the end.
+  /// Hum blocks whose size and phase are each record's own.
   std::vector<int> line_blocks() const;
-  /// Where a block behind the whole chain goes: in front of the lines.
+  /// Where a block behind the whole chain goes: in front of the hum and drift that terms add to the output.
   std::size_t end() const;
+  /// A block has op-amps whose noise gain is known (chain::PartChange): it is a circuit's model.
+  bool opamps_are_known() const;
   void add(Term term);
   void remove(std::size_t term);
   void move_term(std::size_t from, std::size_t to);

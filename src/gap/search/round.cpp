@@ -119,10 +119,8 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
   });
 }
 
-/// What each is called beforehand, and the evidence of all but those far behind the best.
+/// What each is called beforehand, and the evidence of all but those far behind the best that is a name.
 void weigh(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
-  double best = std::numeric_limits<double>::infinity();
-  for (const auto& r : ranking) best = std::min(best, r.train_rms);
   parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
     auto& r = ranking[i];
     const std::size_t last = r.model.terms().size() - 1;
@@ -133,7 +131,14 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
     if (r.effect->is_implausible(r.model, scene))
       r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogImplausible);
-    if (r.train_rms <= setting.options.round.in_the_running * best)
+  });
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& r : ranking) {
+    if (r.outcome != CandidateOutcome::no_name) best = std::min(best, r.train_rms);
+  }
+  parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
+    auto& r = ranking[i];
+    if (r.outcome != CandidateOutcome::no_name && r.train_rms <= setting.options.round.in_the_running * best)
       r.log_evidence = log_evidence(r.model, records.train);
   });
 }

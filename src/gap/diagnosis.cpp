@@ -174,14 +174,6 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
     d.steps[k].parameters = std::move(parameters[k]);
     d.steps[k].part = d.search.final.terms()[k].part;
   }
-  auto posterior = posterior_of(d.search);
-  for (std::size_t k = 0; k < d.steps.size(); ++k) {
-    d.steps[k].among_names = posterior.among_names[k];
-    d.steps[k].probability = posterior.of_steps[k];
-    d.steps[k].grew = d.steps[k].after.holdout_rms > d.steps[k].before.holdout_rms;
-  }
-  d.alternatives = std::move(posterior.alternatives);
-  d.outside = posterior.outside;
   d.where = meter.where(d.search.initial);
   d.remaining_where = meter.where(d.search.final);
   d.constant_offsets = constant_offsets(meter, d.search.final, study);
@@ -191,6 +183,15 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   if ((d.holdout_disagrees || is_far_above_white_floor(d)) && d.verdict == Verdict::explained)
     d.verdict = Verdict::partly_explained;
   if (d.holdout_disagrees && d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
+  auto posterior =
+      posterior_of(d.search, d.verdict == Verdict::partly_explained || d.verdict == Verdict::unexplained);
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
+    d.steps[k].among_names = posterior.among_names[k];
+    d.steps[k].probability = posterior.of_steps[k];
+    d.steps[k].grew = d.steps[k].after.holdout_rms > d.steps[k].before.holdout_rms;
+  }
+  d.alternatives = std::move(posterior.alternatives);
+  d.outside = posterior.outside;
   if (!d.search.stopped)
     d.next_experiment = next_experiment(d.search, open_parameters(d), study, options.drive);
   d.advice = advice_for(d, study);

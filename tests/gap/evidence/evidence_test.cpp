@@ -76,17 +76,31 @@ TEST(Evidence, SlowNoiseIsNoDrift) {
   EXPECT_GT(gain_of_drift({gap::TimeExperiment(line)}), 15.0);
 }
 
-// Without the limit the spring's model runs away: what cannot be run has no evidence, and the name is sure.
-TEST(Evidence, AModelThatCannotBeRunIsNoRival) {
+gap::SearchResult slewing_alone() {
   gap::SearchResult result;
   gap::Step step;
   step.effect = &gap::effect_registry().get("slew_limit");
   step.log_evidence_without = -std::numeric_limits<double>::infinity();
   result.steps = {step};
-  const auto posterior = gap::posterior_of(result);
+  return result;
+}
+
+// Without the limit the spring's model runs away: what cannot be run has no evidence, and the name is sure.
+TEST(Evidence, AModelThatCannotBeRunIsNoRival) {
+  const auto posterior = gap::posterior_of(slewing_alone(), false);
   EXPECT_EQ(posterior.among_names.front(), 1.0);
   ASSERT_EQ(posterior.alternatives.size(), 1U);
   EXPECT_EQ(posterior.alternatives.front().probability, 1.0);
+}
+
+// Held-out records that contradict a name leave it little better than a guess, as a sign does that is just beyond chance.
+TEST(Evidence, ANameIsDoubtedWhereMoreIsLeft) {
+  auto result = slewing_alone();
+  EXPECT_GT(gap::posterior_of(result, false).of_steps.front(), 0.9);
+  const double contradicted = gap::posterior_of(result, true).of_steps.front();
+  EXPECT_LT(contradicted, 0.7);
+  result.structure = {{gap::SignKind::jumps, 1.0}};
+  EXPECT_EQ(gap::posterior_of(result, true).of_steps.front(), contradicted);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 #include "gap/runner.hpp"
+#include "gap/search_options.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/period.hpp"
 #include "signal/periodogram.hpp"
@@ -18,9 +19,6 @@
 
 namespace bodesmith::gap {
 namespace {
-
-/// A start stands out under the final model when its residual is this much larger than the rest's.
-constexpr double kStartStandsOut = 1.5;
 
 std::vector<double> whole_residual(const Model& model, const FrequencyExperiment& experiment) {
   auto e = residuals_of(model, {experiment});
@@ -91,7 +89,8 @@ std::vector<std::size_t> GapMeter::scoring_starts(const Model& final, const Expe
   for (std::size_t i = 0; i < experiments.size(); ++i) {
     const auto* time = std::get_if<TimeExperiment>(&experiments[i]);
     const std::size_t first = time != nullptr ? time->first() : 0;
-    if (first > 0 && (split || rms(all[i].first(first)) > kStartStandsOut * rms(all[i].subspan(first))))
+    if (first > 0 &&
+        (split || rms(all[i].first(first)) > StartOptions().stands_out * rms(all[i].subspan(first))))
       starts[i] = first;
   }
   return starts;

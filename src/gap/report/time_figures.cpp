@@ -5,9 +5,9 @@
 #include <span>
 
 #include "gap/report/figures.hpp"
+#include "gap/report/where.hpp"
 #include "report/plot.hpp"
 #include "report/script_data.hpp"
-#include "signal/periodogram.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -16,18 +16,13 @@ using report::Plot;
 using report::Series;
 
 /// Colours of the palette.
-constexpr int kMeasured = 0;
-constexpr int kBase = 1;
-constexpr int kExtended = 2;
-constexpr int kFloor = 3;
+enum Colour { kMeasured, kBase, kExtended, kFloor };
 
 constexpr std::size_t kMaxPoints = 1600;
 constexpr std::size_t kMaxLoopPoints = 3000;
 /// The stretch of a record that is shown close: one part in …, and at least so many samples.
 constexpr std::size_t kZoom = 25;
 constexpr std::size_t kMinZoomed = 60;
-/// Bands of the spectrum.
-constexpr double kBandRatio = 1.1;
 
 std::vector<double> slice(const std::vector<double>& v, std::size_t from, std::size_t to) {
   const auto part = std::span(v).subspan(from, to - from);
@@ -132,25 +127,13 @@ Plot residual_over_input(const BeforeAndAfter& s) {
   return plot;
 }
 
-/// Spectrum as rms per root hertz in bands of a twenty-fourth of a decade and wider.
+/// Spectrum as rms per root hertz, without the constant.
 Series band_spectrum(std::string name, const std::vector<double>& e, double step_s, int color) {
   Series series = series_of(std::move(name), color);
-  const auto p = periodogram(e, step_s);
-  double edge = 0.7 * p.bin_hz;
-  std::size_t k = 1;
-  while (k < p.power.size()) {
-    const double next = std::max(edge * kBandRatio, edge + p.bin_hz);
-    double sum = 0.0;
-    int count = 0;
-    while (k < p.power.size() && p.bin_hz * static_cast<double>(k) <= next) {
-      sum += p.power[k++];
-      ++count;
-    }
-    if (count > 0) {
-      series.x.push_back(std::sqrt(std::max(edge, p.bin_hz) * next));
-      series.y.push_back(std::max(std::sqrt(sum / count / p.bin_hz), 1e-300));
-    }
-    edge = next;
+  for (const Bin& band : frequency_bins(e, step_s)) {
+    if (!(band.from > 0.0)) continue;
+    series.x.push_back(std::sqrt(band.from * band.to));
+    series.y.push_back(std::max(std::sqrt(band.energy / band.extent), 1e-300));
   }
   return series;
 }

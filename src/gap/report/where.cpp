@@ -27,15 +27,6 @@ constexpr std::size_t kMinSamplesInBin = 8;
 constexpr std::size_t kAmplitudeBins = 20;
 constexpr std::size_t kMinSamplesToLocate = 16;
 
-struct Bin {
-  double from = 0.0;
-  double to = 0.0;
-  double energy = 0.0;
-  double extent = 0.0;
-};
-
-using Bins = std::vector<Bin>;
-
 double energy_of(std::span<const Bin> bins) {
   double sum = 0.0;
   for (const auto& b : bins) sum += b.energy;
@@ -103,27 +94,6 @@ void keep_telling(std::vector<Cell>& cells) {
   });
 }
 
-/// Narrow logarithmic steps of frequency.
-Bins frequency_bins(const std::vector<double>& e, double step_s) {
-  const auto p = periodogram(e, step_s);
-  Bins bins;
-  double edge = 0.5 * p.bin_hz;
-  std::size_t k = 0;
-  while (k < p.power.size()) {
-    Bin b;
-    b.from = k == 0 ? 0.0 : edge;
-    const double next = std::max(edge * kFrequencyRatio, edge + p.bin_hz);
-    while (k < p.power.size() && p.bin_hz * static_cast<double>(k) <= next) {
-      b.energy += p.power[k++];
-      b.extent += 1.0;
-    }
-    edge = next;
-    b.to = edge;
-    if (b.extent > 0.0) bins.push_back(b);
-  }
-  return bins;
-}
-
 Bins time_bins(const std::vector<double>& e, const TimeRecord& record, std::size_t from) {
   Bins bins(std::min(kTimeBins, e.size() / kMinSamplesInBin));
   for (std::size_t b = 0; b < bins.size(); ++b) {
@@ -182,6 +152,26 @@ Bins harmonic_bins(const std::vector<double>& e, std::size_t period) {
 }
 
 }  // namespace
+
+Bins frequency_bins(const std::vector<double>& e, double step_s) {
+  const auto p = periodogram(e, step_s);
+  Bins bins;
+  double edge = 0.5 * p.bin_hz;
+  std::size_t k = 0;
+  while (k < p.power.size()) {
+    Bin b;
+    b.from = k == 0 ? 0.0 : edge;
+    const double next = std::max(edge * kFrequencyRatio, edge + p.bin_hz);
+    while (k < p.power.size() && p.bin_hz * static_cast<double>(k) <= next) {
+      b.energy += p.power[k++];
+      b.extent += p.bin_hz;
+    }
+    edge = next;
+    b.to = edge;
+    if (b.extent > 0.0) bins.push_back(b);
+  }
+  return bins;
+}
 
 std::string to_string(Axis axis) {
   constexpr std::array kNames = {"frequency_hz", "amplitude", "time_s", "branch", "harmonic"};

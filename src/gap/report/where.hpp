@@ -30,6 +30,17 @@ struct Cell {
   bool of_output = false;  ///< of amplitudes: the measured output's, not the input's
 };
 
+/// A step of an axis, the gap's energy in it and how wide it is.
+struct Bin {
+  double from = 0.0;
+  double to = 0.0;
+  double energy = 0.0;
+  double extent = 0.0;
+};
+using Bins = std::vector<Bin>;
+/// Narrow logarithmic steps of frequency: mean square and width in Hz.
+Bins frequency_bins(const std::vector<double>& e, double step_s);
+
 /// For each axis the stretch in which the gap is densest (largest share minus extent), kept when it holds at
 /// least half of the gap; largest share first. Axes on which the gap is spread evenly are left out, unless
 /// all are.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "gap/evidence/score.hpp"
 #include "gap/model/model_fit.hpp"
 #include "gap/records/settling.hpp"
 #include "gap/runner.hpp"
@@ -19,10 +20,6 @@ namespace {
 
 using chain::Start;
 
-/// Of two searches, one that names more must leave less than this part for each term more; with as many,
-constexpr double kWorthATerm = 0.9;
-/// equilibrium must leave less than this part, and less than the former where neither explains how the records begin.
-constexpr double kWorthAKey = 0.98;
 /// Of a search that scored all starts, what it leaves of whole records over what one that left some out leaves, and over what
 /// that one leaves when each record begins in a state of its own.
 constexpr double kStartsExplained = 0.5;
@@ -39,15 +36,15 @@ chain::Chain started(chain::Chain base, Start start) {
   return base;
 }
 
-/// What a model leaves of the records from their first samples on.
-double whole_rms(const Model& model, Experiments train) {
+/// The records from their first samples on.
+Experiments whole(Experiments train) {
   for (auto& e : train) {
     if (auto* time = std::get_if<TimeExperiment>(&e)) time->score_start();
   }
-  return rms_of(model, train);
+  return train;
 }
 
-/// The same when each record began in an unknown state: what free responses of the model explain is taken off.
+/// What a model leaves of them when each record began in an unknown state: what free responses of the model explain is taken off.
 double whole_rms_from_any_state(const Model& model, Experiments train) {
   constexpr std::size_t kFirst = 1;
   for (auto& e : train) {
@@ -57,15 +54,16 @@ double whole_rms_from_any_state(const Model& model, Experiments train) {
   return rms_of(model, train);
 }
 
-/// A model from one of the two starts, held against the training records.
+/// A model from one of the two starts, held against the whole training records.
 struct Tried {
-  double rms = 0.0;      ///< from their first samples on
+  double rms = 0.0;
+  double log_evidence = 0.0;
   bool explains = true;  ///< no start stands out
 };
 
 Tried tried(const Model& model, const Experiments& train, const SearchOptions& options) {
   const SearchSetting setting{options, model};
-  return {whole_rms(model, train),
+  return {rms_of(model, whole(train)), log_evidence(model, whole(train)),
           !leave_out_wrong_starts(setting, make_records(train, options.stretches, model), model).found};
 }
 
@@ -98,27 +96,15 @@ Tried from_other_start(Model model, Start start, const Experiments& train, const
   return tried(fit_in_turn(setting, records, model).model, train, options);
 }
 
-/// Whether what a search from equilibrium found is to be preferred.
-bool is_equilibrium_better(const SearchResult& equilibrium, const Tried& from_equilibrium,
-                           const SearchResult& zero, const Tried& from_zero) {
-  const double more = static_cast<double>(equilibrium.steps.size()) - static_cast<double>(zero.steps.size());
-  if (!from_equilibrium.explains) {
-    const bool far_nearer = more == 0.0 && from_equilibrium.rms < kWorthATerm * from_zero.rms;
-    return !from_zero.explains && far_nearer;
-  }
-  if (!from_zero.explains) return true;
-  const double worth = more == 0.0 ? kWorthAKey : std::pow(kWorthATerm, more);
-  return from_equilibrium.rms < worth * from_zero.rms;
-}
-
 }  // namespace
 
 StartedSearch search_from_start(const chain::Chain& base, const Experiments& train,
                                 const SearchOptions& options) {
   if (base.start || !any_begins_under_bias(train)) return {search_all(base, train, options), std::nullopt};
   const auto at_rest = started(base, Start::equilibrium);
-  const Start first =
-      whole_rms(Model(at_rest), train) < whole_rms(Model(base), train) ? Start::equilibrium : Start::zero;
+  const Start first = rms_of(Model(at_rest), whole(train)) < rms_of(Model(base), whole(train))
+                          ? Start::equilibrium
+                          : Start::zero;
   const Start other = first == Start::zero ? Start::equilibrium : Start::zero;
   const auto from = [&](Start start) { return start == Start::zero ? base : at_rest; };
   StartChoice choice;
@@ -135,18 +121,15 @@ StartedSearch search_from_start(const chain::Chain& base, const Experiments& tra
   const Tried of_first = tried(found.final, train, options);
   const Tried of_other = from_other_start(found.final, other, train, options);
   measure(of_first, of_other);
-  const bool enough = of_first.explains && !(of_other.rms < kWorthAKey * of_first.rms);
+  const bool enough = of_first.explains && !(of_other.log_evidence > of_first.log_evidence);
   if (enough || found.stopped || found.late) return decided(first, std::move(found));
   SearchResult again = search(from(other), train, options);
   if (again.stopped) return decided(first, std::move(found));
   const Tried of_again = tried(again.final, train, options);
   choice.by_search = true;
   measure(of_first, of_again);
-  const bool zero_first = first == Start::zero;
-  const bool equilibrium = zero_first ? is_equilibrium_better(again, of_again, found, of_first)
-                                      : is_equilibrium_better(found, of_first, again, of_again);
-  const Start chosen = equilibrium ? Start::equilibrium : Start::zero;
-  return decided(chosen, std::move(chosen == first ? found : again));
+  if (of_again.log_evidence > of_first.log_evidence) return decided(other, std::move(again));
+  return decided(first, std::move(found));
 }
 
 std::string to_text(const StartChoice& choice) {

@@ -28,8 +28,7 @@ struct StartedSearch {
 /// search() (again with all starts scored, where one stands out) from the start that explains the training records, where one of them begins under bias and the model does not say
 /// how it starts. The start under which the model as given comes nearer is searched from (zero where both are alike). When what was
 /// found explains how the records begin, and leaves no more than the same refitted from the other start, that is all; otherwise
-/// the other one is searched from too. Zero needs no key in model.toml and is kept unless equilibrium explains the records
-/// better.
+/// the other one is searched from too, and what has the greater evidence of the whole records is chosen.
 StartedSearch search_from_start(const chain::Chain& base, const Experiments& train,
                                 const SearchOptions& options);
 

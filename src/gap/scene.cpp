@@ -188,9 +188,9 @@ std::vector<std::size_t> Scene::linear_places() const {
   std::vector<std::size_t> places;
   // The last boundary of every stretch of linear blocks (all of them stand for the same model).
   for (std::size_t i = 0; i <= end(); ++i) {
-    if (i < end() && linear(i)) continue;
+    if (i < end() && (linear(i) || is_added(i))) continue;
     std::size_t at = i;
-    while (at > 0 && !model->is_base(at - 1) && adds_constant(at - 1)) --at;
+    while (at > 0 && is_added(at - 1)) --at;
     places.push_back(at);
   }
   return places;
@@ -213,6 +213,11 @@ std::vector<std::size_t> Scene::memory_places() const {
 bool Scene::adds_constant(std::size_t position) const {
   const auto line = model->at(position).affine();
   return line && line->constant != 0.0;
+}
+
+bool Scene::is_added(std::size_t position) const {
+  return !model->is_base(position) &&
+         (adds_constant(position) || model->at(position).type().name() == "drift");
 }
 
 std::vector<double> Scene::beyond_band_hz(double times, int count) const {

@@ -48,14 +48,16 @@ struct Scene {
 
   bool linear(std::size_t position) const;  ///< the block there is linear and time-invariant
   bool adds_constant(std::size_t position) const;
-  /// One boundary of each class of places that a linear effect cannot tell apart. What comes behind a term's
-  /// constant is taken in front of it: the system does not answer to what is added.
+  bool is_added(std::size_t position) const;  ///< a term's constant or drift
+  /// One boundary of each class of places that a linear effect cannot tell apart. What comes behind a constant or a
+  /// drift that a term adds is taken in front of it: of them it makes the same, once the start is over.
   std::vector<std::size_t> linear_places() const;
   /// The same for a memoryless or rate-independent effect.
   std::vector<std::size_t> static_places() const;
-  /// The same for memory that starts at rest at 0, in front of a constant too.
+  /// The same for memory that starts at rest at 0: a constant is no rest, so what is behind one is taken in front
+  /// of it.
   std::vector<std::size_t> memory_places() const;
-  /// Behind all blocks but the lines and drifts that terms add.
+  /// Behind all blocks but lines.
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).
   std::vector<std::size_t> base_places() const;

@@ -70,7 +70,7 @@ std::vector<std::size_t> linear_places_with(const char* effect) {
   return gap::make_scene(proposals.back().model, study.train()).linear_places();
 }
 
-// The system does not answer to what is added behind it.
+// Of a constant and a line they make the same wherever these are added.
 TEST(ScenePlaces, OfDynamicsAreInFrontOfWhatIsAddedAtTheOutput) {
   EXPECT_EQ(linear_places_with("amplifier_pole"), std::vector<std::size_t>{2});
   EXPECT_EQ(linear_places_with("drift"), std::vector<std::size_t>{1});

@@ -119,12 +119,9 @@ std::vector<int> Model::line_blocks() const {
 }
 
 std::size_t Model::end() const {
-  const auto is_added = [](const Slot& slot) {
-    const auto& type = slot.block.type().name();
-    return slot.base_number == 0 && (type == "hum" || type == "drift");
-  };
+  const auto lines = line_blocks();
   std::size_t end = size();
-  while (end > 0 && is_added(slots_[end - 1])) --end;
+  while (end > 0 && std::find(lines.begin(), lines.end(), slots_[end - 1].id) != lines.end()) --end;
   return end;
 }
 

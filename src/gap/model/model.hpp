@@ -87,9 +87,9 @@ class Model {
   std::string placed(std::size_t position) const;
 
   const std::vector<Term>& terms() const { return terms_; }
-  /// Hum blocks whose size and phase are each record's own.
+  /// Hum blocks whose size and phase are each record's own; they stand at the end.
   std::vector<int> line_blocks() const;
-  /// Where a block behind the whole chain goes: in front of the hum and drift that terms add to the output.
+  /// Where a block behind the whole chain goes: in front of the lines.
   std::size_t end() const;
   /// A block has op-amps whose noise gain is known (chain::PartChange): it is a circuit's model.
   bool opamps_are_known() const;

@@ -101,9 +101,12 @@ int run_sc(const std::vector<std::string>& arguments) {
   json["band_hz"] = {band.from.value, band.to.value};
   if (noise) json["noise_v"] = std::sqrt(square);
   json["timing_s"] = {{"compute", seconds}};
+  // A follower of the output is the reader's own, without a name.
+  const auto opamps = std::ranges::count_if(netlist.circuit.netlist.opamps,
+                                            [](const schematic::OpAmp& one) { return !one.name.empty(); });
   std::string text =
       fmt::format("{} capacitors, {} switches, {} op-amps\n", netlist.circuit.netlist.parts.size(),
-                  netlist.circuit.netlist.contacts.size(), netlist.circuit.netlist.opamps.size());
+                  netlist.circuit.netlist.contacts.size(), opamps);
   if (noise)
     text += fmt::format("noise from {} to {} Hz: {}\n", rounded_text(band.from.value),
                         rounded_text(band.to.value), engineering_text(std::sqrt(square), "V rms"));

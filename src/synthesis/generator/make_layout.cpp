@@ -33,10 +33,11 @@ void check(const Input& input, const Options& options) {
       }
     }
   }
-  if (!(options.multiplier.scale_v > 0.0) || !(options.full_scale_v > 0.0) ||
+  const auto is_scale = [](double v) { return v > 0.0 && v <= 1e6; };
+  if (!is_scale(options.multiplier.scale_v) || !is_scale(options.full_scale_v) ||
       (options.analog_switch && !(options.analog_switch->on_ohm >= 0.0))) {
     throw DesignError(
-        "the multiplier's scale and the full scale must be above 0, the switch's resistance not below");
+        "the multiplier's scale and the full scale must be above 0 and at most 1e6 V, the switch's resistance not below 0");
   }
 }
 

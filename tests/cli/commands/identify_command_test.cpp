@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "base/documents/json.hpp"
 #include "base/files.hpp"
 #include "hysteresis/model_type.hpp"
 #include "run_program.hpp"
@@ -10,8 +10,6 @@
 
 namespace bodesmith {
 namespace {
-
-using nlohmann::json;
 
 /// A record of a play bank: the truth is known.
 void write_record(const std::filesystem::path& path, double modulation) {
@@ -41,7 +39,7 @@ TEST(Identify, WritesAModelThatSimulatesAndCompensates) {
       run_bodesmith("identify " + (folder / "train.csv").string() + " --model prandtl_ishlinskii --holdout " +
                     (folder / "test.csv").string() + " --json -o " + model);
   ASSERT_EQ(result.status, 0) << result.err;
-  const json summary = json::parse(result.out);
+  const Json summary = Json::parse(result.out);
   EXPECT_EQ(summary["schema"], "bodesmith.identification/1");
   EXPECT_LT(summary["training"]["rms_percent_of_range"], 1e-3);
   EXPECT_LT(summary["holdout"]["rms_percent_of_range"], 1e-2);
@@ -75,7 +73,7 @@ TEST(Identify, WritesAModelThatSimulatesAndCompensates) {
       run_bodesmith("compensate " + model + " --reference " + (folder / "r.csv").string() + " --json -o " +
                     (folder / "drive.csv").string());
   ASSERT_EQ(drive.status, 0) << drive.err;
-  EXPECT_LT(json::parse(drive.out)["predicted_error"]["rms_percent_of_range"], 1e-9);
+  EXPECT_LT(Json::parse(drive.out)["predicted_error"]["rms_percent_of_range"], 1e-9);
   const Csv written = Csv::parse(read_file(folder / "drive.csv"), "drive");
   EXPECT_EQ(written.names(), (std::vector<std::string>{"time_s", "r", "u"}));
   EXPECT_EQ(written.column("r")[10], r[10]);
@@ -121,7 +119,7 @@ TEST(Identify, BothMethodsInOneTable) {
                     " --model krasnoselskii_pokrovskii --size 12 --effort 0.2 --method both --json -o " +
                     (folder / "m.toml").string());
   ASSERT_EQ(result.status, 0) << result.err;
-  const json summary = json::parse(result.out);
+  const Json summary = Json::parse(result.out);
   ASSERT_EQ(summary["models"].size(), 2u);
   EXPECT_EQ(summary["models"][0]["model"], "krasnoselskii_pokrovskii (paper)");
   EXPECT_GT(summary["models"][0]["training"]["rms"], summary["models"][1]["training"]["rms"]);
@@ -137,11 +135,11 @@ TEST(Identify, RealPiezoRecordLadder) {
                                                "picma_holdout.csv --skip-s 1 --model " + model +
                                                " --json -o " + (folder / "m.toml").string());
     EXPECT_EQ(result.status, 0) << result.err;
-    return json::parse(result.out)["holdout"];
+    return Json::parse(result.out)["holdout"];
   };
-  const json linear = holdout("linear");
-  const json bank = holdout("prandtl_ishlinskii");
-  const json with_delay = holdout("prandtl_ishlinskii --delay find");
+  const Json linear = holdout("linear");
+  const Json bank = holdout("prandtl_ishlinskii");
+  const Json with_delay = holdout("prandtl_ishlinskii --delay find");
   EXPECT_NEAR(linear["rms"], 2.55, 0.1);
   EXPECT_LT(bank["rms"], 1.0);
   EXPECT_LT(with_delay["rms"], 0.75);

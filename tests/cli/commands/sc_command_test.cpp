@@ -39,6 +39,11 @@ class ScCommand : public testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(ScCommand, CountsWhatTheNetlistHas) {
+  EXPECT_EQ(run("one.sc --count 2").out.substr(0, 36), "1 capacitors, 1 switches, 0 op-amps\n");
+  EXPECT_EQ(run("hold.sc --count 2").out.substr(0, 36), "2 capacitors, 3 switches, 0 op-amps\n");
+}
+
 TEST_F(ScCommand, TheBandIsOfAllClocksAndTheResponseTheClosedForm) {
   // Of two clocks: a thousandth of the slower one to half the faster one.
   const Json two = summary("hold.sc --count 2");

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
+#include "base/error.hpp"
 #include "lti/frequency_grid.hpp"
 #include "synthesis/generator/made_layout.hpp"
 
@@ -84,6 +86,42 @@ TEST(SwitchFigures, TheErrorIsTheWrongBranchForTheDelay) {
   EXPECT_GE(late.peak_percent, 0.7 * late.step_percent);
   EXPECT_LT(late.peak_percent, 1.5 * late.step_percent + 0.2);
   EXPECT_GT(late.rms_at_limit_percent, late.rms_percent);
+}
+
+// The open node decays through Rin from the held voltage and the charge; the amplifier follows with its closed-loop bandwidth, its
+// output no faster than it slews. In small steps.
+TEST(SwitchGlitch, IsTheAmplifierFollowingTheOpenNode) {
+  DisturbanceCircuit layout = two_branches();
+  const double feedback = layout.part(layout.passes.back().output.feedback).realised;
+  const double input = layout.part(layout.passes.back().output.disturbance).realised;
+  for (const double gap_s : {25e-9, 400e-9}) {
+    for (const auto& [held, charge] : {std::pair(0.8, 0.0), std::pair(0.0, 1.0), std::pair(0.8, -1.0)}) {
+      layout.analog_switch.gap_s = gap_s;
+      const double farad = 2.0 * layout.analog_switch.drain_f, gain = feedback / input;
+      const double w = kTurn * layout.opamp.gain_bandwidth.value / (1.0 + gain);
+      double node = held + charge * layout.analog_switch.charge_c / farad, moved = 0.0, most = 0.0;
+      constexpr int kSteps = 40000;
+      const double h = gap_s / kSteps;
+      for (int i = 1; i <= kSteps; ++i) {
+        moved += h * w * (node - held - moved);
+        node -= h * node / (input * farad);
+        most = std::max(most, std::min(gain * std::abs(moved), layout.opamp.slew_v_per_s * i * h));
+      }
+      EXPECT_NEAR(switch_glitch_v(layout, held, charge), most, 0.01 * most)
+          << gap_s << " " << held << " " << charge;
+    }
+  }
+}
+
+TEST(Layout, RefusesScalesThatAreNone) {
+  for (const double volts : std::vector<double>{0.0, -1.0, NAN, INFINITY, 1e150}) {
+    Options options;
+    options.multiplier.scale_v = volts;
+    EXPECT_THROW(layout_of({{"only", {0.1, -0.1}, {}}}, options), DesignError) << volts;
+    options = Options();
+    options.full_scale_v = volts;
+    EXPECT_THROW(layout_of({{"only", {0.1, -0.1}, {}}}, options), DesignError) << volts;
+  }
 }
 
 }  // namespace

@@ -72,6 +72,16 @@ TEST(Variants, EndlessNamesAndKeysOfAGridAreRefusedBeforeTheyMultiply) {
   EXPECT_EQ(variants_of(key_of(100)).size(), 2U);
 }
 
+TEST(Variants, NamesAreThoseOfFolders) {
+  const auto is_read = [](const std::string& name) {
+    return refusal("[[variant]]\nname = \"" + name + "\"\nset.fit.order = 1\n") == "read";
+  };
+  for (const char* name : {"a", "Z9", "a b", "a-b", "a_b", "a.b", "order=2", "a+b", "5%", "_"})
+    EXPECT_TRUE(is_read(name)) << name;
+  for (const char* name : {"", " a", "a ", ".a", "a/b", "a:b", "a*", "a~", "é", "a,b", "a\\\\b"})
+    EXPECT_FALSE(is_read(name)) << name;
+}
+
 TEST(Variants, SlipsAreSaidWhereTheyStand) {
   EXPECT_EQ(refusal("").find("v.toml: has no design"), 0U) << refusal("");
   EXPECT_NE(refusal("[[variant]]\nname = \"../x\"\n").find("v.toml:2: 'variant[0]' has the name '../x'"),

@@ -29,6 +29,25 @@ TEST(StageRoots, ZerosGoToTheLowestPolesOrToTheNearest) {
     EXPECT_EQ(stage.zeros.size(), stage.corner() < 1000.0 ? 0u : 1u);
 }
 
+TEST(StageRoots, ComplexZerosGoToTheNearestPair) {
+  const auto pair_at = [](double w) {
+    return std::vector<Complex>{w * Complex(-0.1, 0.995), w * Complex(-0.1, -0.995)};
+  };
+  const auto kinds = [&](double zeros_at) {
+    Sections sections;
+    sections.sections = {{1.0, pair_at(zeros_at), pair_at(1000.0)}, {1.0, {}, {-100.0}}, {1.0, {}, {-121.0}}};
+    std::vector<std::pair<std::size_t, std::size_t>> out;  // poles and zeros of each stage
+    for (const StageRoots& stage : shared_roots(sections, options()))
+      out.emplace_back(stage.poles.size(), stage.zeros.size());
+    return out;
+  };
+  using Kinds = std::vector<std::pair<std::size_t, std::size_t>>;
+  EXPECT_EQ(kinds(900.0), (Kinds{{2, 2}, {1, 0}, {1, 0}}));
+  EXPECT_EQ(kinds(340.0), (Kinds{{2, 2}, {1, 0}, {1, 0}}))
+      << "nearer to 1000 than to the geometric mean of 110";
+  EXPECT_EQ(kinds(320.0), (Kinds{{2, 0}, {2, 2}}));
+}
+
 TEST(StageRoots, ClosestPairsAreLeftOutFirst) {
   Sections sections;
   sections.sections = {{1.0, {-110.0}, {-100.0}}, {1.0, {-1010.0}, {-1000.0}}, {1.0, {-9000.0}, {-5000.0}}};

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "chain/registry.hpp"
 #include "signal/statistics.hpp"
+#include "simulate/controller_file.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
 
@@ -23,6 +24,24 @@ TimeRecord constant(double value, double step_s, std::size_t n) {
   r.step_s = step_s;
   r.u.assign(n, value);
   return r;
+}
+
+TEST(Feedback, ADriveIsAddedWhereItHasTheReferencesTimes) {
+  const Chain plant{{make_block("lowpass").set("corner_hz", 8.0)}};
+  TimeRecord reference = constant(1.0, 1e-3, 200);
+  LoopSetup setup;
+  setup.controller.integral_per_s = 20.0;
+  setup.drive = constant(0.4, 1e-3, 200);
+  const auto got = simulate_loop(plant, setup, reference);
+  EXPECT_EQ(got.y, simulate_loop(plant, setup.drive->u, setup.controller, reference).y);
+  const auto refused = [&](auto change) {
+    LoopSetup other = setup;
+    change(*other.drive);
+    EXPECT_THROW(simulate_loop(plant, other, reference), InputError);
+  };
+  refused([](TimeRecord& drive) { drive.u.pop_back(); });
+  refused([](TimeRecord& drive) { drive.step_s *= 1.00001; });
+  refused([](TimeRecord& drive) { drive.start_s = 0.5e-3; });
 }
 
 TEST(Feedback, PiRoundALagIsItsClosedForm) {

@@ -30,14 +30,12 @@ std::string ac_commands(const std::vector<Hertz>& grid, const std::string& vecto
   return out;
 }
 
-/// "re,im" or, in a table, "re,<tab>im".
-bool parse_complex(std::string_view text, std::vector<Complex>& to) {
+/// "re,im" or, in a table, "re,<tab>im"; other text is passed over.
+void parse_complex(std::string_view text, std::vector<Complex>& to) {
   const auto numbers = split(text, ',');
   double re = 0.0, im = 0.0;
-  if (numbers.size() != 2 || !parse_number(trim(numbers[0]), re) || !parse_number(trim(numbers[1]), im))
-    return false;
-  to.emplace_back(re, im);
-  return true;
+  if (numbers.size() == 2 && parse_number(trim(numbers[0]), re) && parse_number(trim(numbers[1]), im))
+    to.emplace_back(re, im);
 }
 
 /// What `print` wrote: "v(out) = re,im" of one frequency, rows "index<tab>frequency<tab>re,<tab>im" of more.

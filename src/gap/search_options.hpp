@@ -30,26 +30,17 @@ struct StretchOptions {
   std::size_t leaders = 4;     ///< candidates of a round that are fitted on the whole records
 };
 
-/// The base model's own free parameters [1].
-struct BaseFitOptions {
-  double comb_reach = 0.42;  ///< frequencies are tried this far (ln) to both sides of the given ones …
-  double comb_step = 0.06;   ///< … in these steps
-  double other_hill = 0.98;  ///< the given values' own neighbourhood is preferred to another hill as good
-};
-
 /// Rounds of candidates [4, 5].
 struct RoundOptions {
   std::size_t effects = 9;             ///< fitted in each round
   std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
   /// Forms and places of an effect that are fitted beyond Effect::places_a_round in responses, where a fit is quick.
   int more_forms_of_response = 2;
-  double in_the_running = 2.0;  ///< times the best candidate's rms, within which evidence is asked for
-  std::size_t successors = 5;   ///< effects that are fitted in the place of one
-  int first_iterations = 3;     ///< that each start of a candidate gets before the best ones go on
-  double first_tolerance = 1e-3;
-  std::size_t few_unknowns = 4;  ///< of terms whose several starts are tried
-  double tolerance = 1e-6;
-  double far_behind = 3.0;  ///< times the leader's rms, once all have begun: such a fit stays where it is
+  std::size_t successors = 5;     ///< effects that are fitted in the place of one
+  int first_iterations = 3;       ///< that each start of a candidate gets before the best ones go on
+  std::size_t many_unknowns = 5;  ///< a term of so many is tried from one start, and may stand for two others
+  double far_behind =
+      3.0;  ///< times the leader's rms, once all have begun: such a fit stays where it is, and its evidence is not asked for
 };
 
 /// What takes less is of no use, however sure it is [4].
@@ -87,7 +78,6 @@ struct SearchOptions {
 
   StartOptions starts;
   StretchOptions stretches;
-  BaseFitOptions base;
   RoundOptions round;
   BoundOptions bounds;
   PairOptions pairs;

@@ -7,6 +7,7 @@
 #include "gap/effect.hpp"
 #include "gap/effects/plays.hpp"
 #include "gap/records/one_loop.hpp"
+#include "gap/search_options.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -35,8 +36,8 @@ class AsymmetricHysteresis final : public Effect {
   }
 
  private:
-  /// Loops that are less wide than this part of the curve next to them are none.
-  static constexpr double kMinLoop = 0.15;
+  /// Loops that are less wide than this part of the curve next to them are none: as little as what a name must explain.
+  static inline const double kMinLoop = BoundOptions().explained;
 
   static bool is_curve_of_branches(const chain::Block& block, const Signal& signal) {
     const auto& up = block.list("ascending");

@@ -27,23 +27,6 @@ double middle_of_relaxations(const Term& term, const Model& model) {
   return weights > 0.0 ? std::exp(sum / weights) : 0.0;
 }
 
-/// Time constants (their ratio) nearer to each other than this are one relaxation.
-constexpr double kOneRelaxation = 2.5;
-
-bool is_one_relaxation(const Term& term, const Model& model) {
-  const auto& block = model.at(model.position_of(term.blocks.front()));
-  const auto& gains = block.list("gains");
-  const auto& times = block.list("time_constants_s");
-  double shortest = std::numeric_limits<double>::infinity();
-  double longest = 0.0;
-  for (std::size_t k = 0; k < gains.size(); ++k) {
-    if (gains[k] <= 0.0) continue;
-    shortest = std::min(shortest, times[k]);
-    longest = std::max(longest, times[k]);
-  }
-  return longest < kOneRelaxation * shortest;
-}
-
 /// Relaxations of one decade of a logarithmic creep, and their longest time constant beyond 1/low_hz: slower ones are a
 /// gain in front of the record.
 constexpr int kOfDecade = 3;
@@ -110,9 +93,7 @@ class Creep final : public Effect {
     const auto& unknowns = term.unknowns;
     return unknowns.size() > kMostOfOneOrLogarithmic && unknowns.front().value >= unknowns.front().high;
   }
-  /// One relaxation is no change of gain over a band.
   bool is_implausible(const Model& model, const Scene& scene) const override {
-    if (is_one_relaxation(model.terms().back(), model)) return false;
     return lies_in_driven_band(middle_of_relaxations(model.terms().back(), model), scene);
   }
 

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,8 +13,6 @@ namespace {
 /// to this many samples only.
 constexpr std::size_t kMaxSamplesWithSharpness = 5000;
 
-const char* const kSlimness = "beta";
-
 class Hysteresis final : public Effect {
  public:
   Hysteresis()
@@ -24,11 +21,6 @@ class Hysteresis final : public Effect {
              .what = "rate-independent memory",
              .experiment =
                  "loops of several amplitudes at two frequencies: memory keeps its loop when the frequency changes"}) {
-  }
-  /// A Bouc-Wen loop as slim as it may be is a gain.
-  bool is_no_name(const Model&, const Term& term, const Scene&) const override {
-    return std::any_of(term.unknowns.begin(), term.unknowns.end(),
-                       [](const Unknown& u) { return u.name == kSlimness && u.value <= u.low; });
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.memory_places()) {
@@ -56,7 +48,7 @@ class Hysteresis final : public Effect {
   Proposal bouc_wen(const Scene& scene, std::size_t at, double half, bool sharpness) const {
     auto block = chain::make_block("bouc_wen").set("k", 1.0).set("A", 0.1).set("beta", 1.0).set("gamma", 0.0);
     std::vector<Unknown> unknowns = {
-        linear_unknown("A", -3.0, 0.9, 0.1), logarithmic_unknown(kSlimness, 0.02, 20.0),
+        linear_unknown("A", -3.0, 0.9, 0.1), logarithmic_unknown("beta", 0.02, 20.0),
         linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
     if (!sharpness) unknowns.pop_back();
     Starts starts;

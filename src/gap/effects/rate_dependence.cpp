@@ -10,8 +10,6 @@ namespace {
 
 /// Nearer to one it is a pole or a zero.
 constexpr double kMaxOrder = 0.6;
-/// Corners (their ratio) nearer to each other than this are those of one relaxation.
-constexpr double kOneRelaxationRatio = 0.5;
 
 class RateDependence final : public Effect {
  public:
@@ -20,16 +18,10 @@ class RateDependence final : public Effect {
                 .what = "the gain changes with frequency by a fractional order",
                 .experiment = "a sweep over more decades",
                 .linear = true}) {}
-  /// With both corners below the drive it is a gain.
-  bool is_no_name(const Model& model, const Term& term, const Scene& scene) const override {
-    const auto& block = model.at(model.position_of(term.blocks.front()));
-    return block.get("x") * block.get("lambda_s") * Hertz{scene.low_hz}.rad_s().value > 1.0;
-  }
-  /// With corners close together it is one relaxation. Between its corners the gain falls like that of logarithmic creep with these time constants.
+  /// Between its corners the gain falls like that of logarithmic creep with these time constants.
   bool is_implausible(const Model& model, const Scene& scene) const override {
     const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));
-    if (block.get("beta") > 0.0) return false;
-    return block.get("x") > kOneRelaxationRatio ||
+    return block.get("beta") <= 0.0 &&
            lies_below_driven_band(block.get("lambda_s") * std::sqrt(block.get("x")), scene);
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

@@ -18,10 +18,6 @@ class Resonance final : public Effect {
                 .linear = true,
                 .repeatable_in_response = true,
                 .of_no_circuit = true}) {}
-  /// Above what is sampled it is a lag.
-  bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
-    return !scene.frequency_only && term.unknowns.front().value > scene.top_hz;
-  }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     Starts starts;
     auto peaks = scene.residual_peaks_hz;
@@ -42,14 +38,15 @@ class Resonance final : public Effect {
       }
     }
     if (starts.empty()) return;
+    // Above what is sampled it is a lag.
+    const double high = (scene.frequency_only ? 3.0 : 1.0) * scene.top_hz;
     for (std::size_t at : scene.linear_places()) {
       auto block = chain::make_block("resonator");
       block.set("gain", 1.0);
-      out.push_back(
-          insert_block(scene, *this, at, block,
-                       {logarithmic_unknown("natural_frequency_hz", 0.05 * scene.low_hz, 3.0 * scene.top_hz),
-                        logarithmic_unknown("damping_ratio", 1e-3, kMaxDamping)},
-                       starts));
+      out.push_back(insert_block(scene, *this, at, block,
+                                 {logarithmic_unknown("natural_frequency_hz", 0.05 * scene.low_hz, high),
+                                  logarithmic_unknown("damping_ratio", 1e-3, kMaxDamping)},
+                                 starts));
     }
   }
 };

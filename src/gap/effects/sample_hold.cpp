@@ -57,8 +57,6 @@ class SampleHold final : public Effect {
   void propose_in_time(const Scene& scene, std::vector<Proposal>& out) const {
     const double lag_s = mean_lag_s(scene);
     const bool lags = lag_s > 0.0 && !scene.is_between_samples(lag_s);
-    const bool images = images_stand_out(scene);
-    if (!images && !lags) return;
     const std::vector<std::size_t> places = scene.static_places();
     // What is late in front of linear dynamics is late at the end too, where they have not to be undone.
     std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
@@ -66,7 +64,7 @@ class SampleHold final : public Effect {
       const std::size_t at = places[i / 2];
       const bool half = i % 2 == 1;
       if (at != scene.end() && !dynamics_follow(scene, at)) return;
-      if (images) found[i] = clocks_of_hold(scene, at, half);
+      found[i] = clocks_of_hold(scene, at, half);
       if (!lags) return;
       const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
       found[i].push_back({guess});

@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "base/whole_number.hpp"
-#include "signal/periodogram.hpp"
-#include "signal/statistics.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
@@ -31,7 +29,6 @@ constexpr double kClocksPerCycle = 3.0;
 /// share.
 constexpr double kMaxLeftByLag = 0.96;
 constexpr double kMinSlopeShare = 0.02;
-constexpr std::size_t kMaxLagSamples = 400;
 
 /// A figure of merit and the clock it belongs to, Hz.
 using ScoredClock = std::pair<double, double>;
@@ -160,7 +157,7 @@ double mean_lag_s(const Scene& scene) {
   std::size_t best = 0;
   double min_distance = none;
   const auto cycle = whole_number<std::size_t>(1.0 / (scene.band_hz * scene.step_s)) + 2;
-  const auto max_lag = std::min<std::size_t>({scene.residual.size() / 8, kMaxLagSamples, cycle});
+  const auto max_lag = std::min(scene.residual.size() / 8, cycle);
   for (std::size_t lag = 1; lag <= max_lag; ++lag) {
     const double d = distance_at_lag(scene, lag);
     if (d < min_distance) {
@@ -170,20 +167,6 @@ double mean_lag_s(const Scene& scene) {
   }
   if (best < 2) return lag_by_slope_s(scene);
   return min_distance < kMaxLeftByLag * none ? static_cast<double>(best) * scene.step_s : 0.0;
-}
-
-bool images_stand_out(const Scene& scene) {
-  constexpr std::size_t kReach = 4;
-  constexpr double kUneven = 2.7;  // white noise: 2.3
-  const auto p = periodogram(scene.residual, scene.step_s);
-  std::vector<double> smooth;
-  for (std::size_t k = kReach; k + kReach < p.power.size(); ++k) {
-    if (p.bin_hz * static_cast<double>(k) < 1.5 * scene.band_hz) continue;
-    double sum = 0.0;
-    for (std::size_t j = k - kReach; j <= k + kReach; ++j) sum += p.power[j];
-    smooth.push_back(sum);
-  }
-  return smooth.size() < 20 || quantile(smooth, 0.95) > kUneven * quantile(smooth, 0.2);
 }
 
 Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz) {

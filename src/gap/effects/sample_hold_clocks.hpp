@@ -14,9 +14,6 @@ namespace bodesmith::gap {
 /// Delay that would explain most of the residual, in seconds; 0 when that is next to nothing.
 double mean_lag_s(const Scene& scene);
 
-/// Whether the residual's spectrum above the input's band is anything but flat, as images of a clock make it.
-bool images_stand_out(const Scene& scene);
-
 /// Clocks of a hold at `at`, the residual likened to what it leaves. `guess_hz` above 0: to its stairs and lag, of clocks around that;
 /// otherwise to its stairs apart from their mean lag, which free corners of the model may have taken over. Linear dynamics behind it
 /// soften the stairs: the residual is run through them backwards. `half`: the hold acts half a cycle late.

@@ -25,7 +25,6 @@ constexpr double kFrequencyRatio = 1.06;
 constexpr std::size_t kTimeBins = 50;
 constexpr std::size_t kMinSamplesInBin = 8;
 constexpr std::size_t kAmplitudeBins = 20;
-constexpr std::size_t kMinSamplesToLocate = 16;
 
 double energy_of(std::span<const Bin> bins) {
   double sum = 0.0;
@@ -182,7 +181,7 @@ std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& res
                         std::size_t period) {
   std::vector<Cell> cells;
   const std::size_t n = residual.size();
-  if (n < from + kMinSamplesToLocate) return cells;
+  if (n < from + 2 * kMinSamplesInBin) return cells;
   const std::vector<double> e(residual.begin() + static_cast<std::ptrdiff_t>(from), residual.end());
   const auto u = std::span(record.u).subspan(from, n - from);
   cells.push_back(densest(Axis::frequency, frequency_bins(e, record.step_s)));

@@ -25,9 +25,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Progress behind the base model's fit; the rounds take the rest but a twentieth.
-constexpr double kBaseFitted = 0.05;
-constexpr double kRounds = 0.9;
 /// Moves in a row that put one name in another's place, or take one out.
 constexpr int kMaxTurns = 4;
 
@@ -215,7 +212,8 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
   const auto& options = setting.options;
   while (static_cast<int>(count_of(beam.best)) < options.max_terms && !options.is_late()) {
     const auto terms = count_of(beam.best);
-    if (report) options.report(kBaseFitted + kRounds * static_cast<double>(terms) / options.max_terms);
+    // The base model's fit and what comes last are a round each.
+    if (report) options.report((1.0 + static_cast<double>(terms)) / (2.0 + options.max_terms));
     if (terms > 0 && !beam.smooth_input) {
       if (auto smooth = with_smooth_input(setting, beam.records, beam.best.model)) {
         beam.best.model = std::move(*smooth);
@@ -283,7 +281,7 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
                                ", looked for together, came further than one name after the other");
     other.first = std::move(beam.first);
     beam = std::move(other);
-    if (!left && !could_be_fewer(beam.best.model)) return;
+    if (!left && !could_be_fewer(options, beam.best.model)) return;
   }
 }
 
@@ -304,7 +302,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
   if (are_responses(beam.records.train) || options.max_terms < 2 || options.is_late()) return;
   const bool left = is_something_left(options, beam.best.model, beam.records);
-  if (!left && !could_be_fewer(beam.best.model)) return;
+  if (!left && !could_be_fewer(options, beam.best.model)) return;
   Beam base;
   base.records = std::move(base_records);
   base.records.set_holds(holds_of(beam.records.train));

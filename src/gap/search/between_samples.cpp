@@ -11,8 +11,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// What it must leave of the rms at the most: a correction of the records is no small matter.
-constexpr double kMaxLeft = 0.8;
 /// Damping is a delay (0.002 of a sample), too little of it rings for long behind every jump (100 samples).
 constexpr double kDamping = 0.003;
 /// Steps of records that differ by less than this part are the same.
@@ -42,12 +40,14 @@ std::optional<Model> with_smooth_input(const SearchSetting& setting, const Searc
                        .set("gain", 1.0)
                        .set("natural_frequency_hz", std::sqrt(12.0) / (2.0 * std::numbers::pi * *step_s))
                        .set("damping_ratio", kDamping));
+  // It takes at least what a name must explain.
+  const double most = 1.0 - setting.options.bounds.explained;
   const auto first =
       fit(smooth, records.look(), fit_options(setting.options, setting.options.refit_iterations));
-  if (!first.usable() || !(first.rms < kMaxLeft * rms_of(model, records.look()))) return std::nullopt;
+  if (!first.usable() || !(first.rms < most * rms_of(model, records.look()))) return std::nullopt;
   auto fitted = fit_in_turn(setting, records, first.model);
   if (!fitted.usable()) return std::nullopt;
-  if (!(rms_of(fitted.model, records.train) < kMaxLeft * rms_of(model, records.train))) return std::nullopt;
+  if (!(rms_of(fitted.model, records.train) < most * rms_of(model, records.train))) return std::nullopt;
   if (!(log_evidence(fitted.model, records.train) > log_evidence(model, records.train) - log_share_of_name()))
     return std::nullopt;
   return std::move(fitted.model);

@@ -22,14 +22,10 @@ struct Hops {
   int count;
 };
 constexpr std::array kHops = {Hops{1.0, 20}, Hops{0.2, 5}, Hops{0.04, 6}};
-/// Of the hollows that they find so many are fitted on from, those that leave no more than this times what the fit left: the other
-/// unknowns, which stand as that fit needed them, take as much away. (A late switch leaves all but the same at two delays.)
-constexpr std::size_t kHollows = 2;
-constexpr double kNearlyAsGood = 1.5;
 
 /// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
-  const bool many = p.proposal.model.terms().back().unknowns.size() > options.few_unknowns;
+  const bool many = p.proposal.model.terms().back().unknowns.size() >= options.many_unknowns;
   return std::min<std::size_t>(p.best_starts.size(), many ? 1 : p.proposal.starts.size() > 4 ? 3 : 2);
 }
 
@@ -63,8 +59,7 @@ std::vector<Model> starting_models(const SearchSetting& setting, const Promising
 /// A few steps from everywhere: the best.
 std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchRecords& records,
                                      const Promising& p) {
-  auto options = fit_options(setting.options, setting.options.round.first_iterations);
-  options.cost_tolerance = setting.options.round.first_tolerance;
+  const auto options = fit_options(setting.options, setting.options.round.first_iterations);
   std::optional<FittedModel> best;
   for (auto& start : starting_models(setting, p)) {
     if (setting.options.is_late() && best) break;
@@ -88,8 +83,7 @@ double least_rms(const std::vector<Racer>& racers) {
 
 /// On to the end of all that are in the running.
 void fit_to_the_end(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
-  auto options = fit_options(setting.options, setting.options.iterations);
-  options.cost_tolerance = setting.options.round.tolerance;
+  const auto options = fit_options(setting.options, setting.options.iterations);
   const double leader = least_rms(racers);
   parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
     auto& now = racers[i].now;
@@ -99,47 +93,39 @@ void fit_to_the_end(const SearchSetting& setting, const SearchRecords& records, 
   });
 }
 
-/// Values around the one that unknown `at` has, the others as they are, at which less is left than at their neighbours: those that leave
-/// least first.
-std::vector<double> hollows_around(Runner& runner, std::vector<double> values, std::size_t at,
-                                   const Unknown& u, Hops hops, double most) {
+/// The value around the one that unknown `at` has, the others as they are, at which least is left; nothing where that is it.
+std::optional<double> least_around(const FittedModel& now, const Experiments& look, std::size_t at,
+                                   const Unknown& u, Hops hops) {
+  Runner runner(now.model, look);
+  auto values = current_values(now.model);
   const double middle = values[at];
-  std::vector<double> place, left, residual;
+  double least = now.rms;
+  std::optional<double> best;
+  std::vector<double> residual;
   for (int k = -hops.count; k <= hops.count; ++k) {
-    place.push_back(std::clamp(middle + hops.length * u.hop * k, u.low, u.high));
-    values[at] = place.back();
-    left.push_back(runner(values, residual) ? rms(residual) : std::numeric_limits<double>::infinity());
+    values[at] = std::clamp(middle + hops.length * u.hop * k, u.low, u.high);
+    if (values[at] == middle || !runner(values, residual) || !(rms(residual) < least)) continue;
+    least = rms(residual);
+    best = values[at];
   }
-  std::vector<std::pair<double, double>> hollows;
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    const bool lowest = (i == 0 || left[i] <= left[i - 1]) && (i + 1 == left.size() || left[i] < left[i + 1]);
-    if (lowest && left[i] < most && place[i] != middle) hollows.emplace_back(left[i], place[i]);
-  }
-  std::sort(hollows.begin(), hollows.end());
-  std::vector<double> out;
-  for (const auto& [rms_there, value] : hollows) out.push_back(value);
-  return out;
+  return best;
 }
 
 /// Values that a fit cannot slide along, tried coarsely and finely around where it ended, then fitted on.
 void comb(const SearchSetting& setting, const SearchRecords& records, Racer& racer) {
   const auto unknowns = racer.now.model.unknowns();
-  auto options = fit_options(setting.options, setting.options.refit_iterations);
+  const auto options = fit_options(setting.options, setting.options.refit_iterations);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (unknowns[at].hop <= 0.0 || setting.options.is_late()) continue;
     for (const auto& hops : kHops) {
-      Runner runner(racer.now.model, records.look());
-      const auto values = current_values(racer.now.model);
-      auto hollows = hollows_around(runner, values, at, unknowns[at], hops, kNearlyAsGood * racer.now.rms);
-      hollows.resize(std::min(hollows.size(), kHollows));
-      for (const double hollow : hollows) {
-        auto moved = values;
-        moved[at] = hollow;
-        Model model = racer.now.model;
-        model.set_values(moved);
-        auto fitted = fit(std::move(model), records.look(), options);
-        if (fitted.usable() && fitted.rms < racer.now.rms) racer.now = std::move(fitted);
-      }
+      const auto better = least_around(racer.now, records.look(), at, unknowns[at], hops);
+      if (!better) continue;
+      auto moved = current_values(racer.now.model);
+      moved[at] = *better;
+      Model model = racer.now.model;
+      model.set_values(moved);
+      auto fitted = fit(std::move(model), records.look(), options);
+      if (fitted.usable() && fitted.rms < racer.now.rms) racer.now = std::move(fitted);
     }
   }
 }

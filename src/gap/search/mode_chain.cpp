@@ -20,9 +20,6 @@ struct KindOfChain {
 constexpr std::array kKinds = {KindOfChain{"resonance", FrequencyExperiment::Compared::magnitude},
                                KindOfChain{"parallel_mode", FrequencyExperiment::Compared::ratio}};
 
-/// A mode takes at least this part of what is left, compared in that way.
-constexpr double kWorthIt = 0.85;
-
 SearchRecords compared_by(FrequencyExperiment::Compared compared, const SearchRecords& records) {
   SearchRecords out = records;
   for (auto* list : {&out.train, &out.stretches}) {
@@ -44,7 +41,9 @@ std::optional<Ranked> with_mode(const SearchSetting& setting, std::string_view n
   const auto best = std::min_element(ranking.begin(), ranking.end(), [](const Ranked& a, const Ranked& b) {
     return a.train_rms < b.train_rms;
   });
-  if (best == ranking.end() || !(best->train_rms < kWorthIt * left)) return std::nullopt;
+  // It takes at least what a name must explain, compared in that way.
+  if (best == ranking.end() || !(best->train_rms < (1.0 - setting.options.bounds.explained) * left))
+    return std::nullopt;
   auto fitted = fit(best->model, compared.train, fit_options(setting.options, setting.options.iterations));
   if (fitted.usable()) best->model = std::move(fitted.model);
   return *best;

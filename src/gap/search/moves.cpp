@@ -149,11 +149,10 @@ std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchReco
   return fit_round({few, setting.initial, setting.first_gap}, records, without).ranking;
 }
 
-bool could_be_fewer(const Model& model) {
-  constexpr std::size_t kManyUnknowns = 5;
+bool could_be_fewer(const SearchOptions& options, const Model& model) {
   const auto& terms = model.terms();
-  return terms.size() > 2 || std::any_of(terms.begin(), terms.end(), [](const Term& term) {
-           return term.unknowns.size() >= kManyUnknowns;
+  return terms.size() > 2 || std::any_of(terms.begin(), terms.end(), [&](const Term& term) {
+           return term.unknowns.size() >= options.round.many_unknowns;
          });
 }
 

@@ -27,7 +27,7 @@ std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchReco
                                   const Model& without);
 
 /// More than two names, or one of many unknowns: two may do as well.
-bool could_be_fewer(const Model& model);
+bool could_be_fewer(const SearchOptions& options, const Model& model);
 
 /// Two effects that hide each other: of what each effect promises alongside each of the first names, the best fitted. Greatest
 /// evidence first, each two names once.

@@ -10,7 +10,13 @@
 namespace bodesmith::gap {
 namespace {
 
-/// As searches score them: starts included, responses by their logarithm.
+/// Part of the rms left that no longer counts, as it adds by squares.
+constexpr double kOwnShare = 0.3;
+/// Beyond them the search would take longer than it may.
+constexpr std::size_t kMostHolds = 8;
+
+}  // namespace
+
 Experiments as_searched(Experiments experiments) {
   for (auto& e : experiments) {
     std::visit(Visitor{[](TimeExperiment& time) { time.score_start(); },
@@ -21,13 +27,6 @@ Experiments as_searched(Experiments experiments) {
   }
   return experiments;
 }
-
-/// Part of the rms left that no longer counts, as it adds by squares.
-constexpr double kOwnShare = 0.3;
-/// Beyond them the search would take longer than it may.
-constexpr std::size_t kMostHolds = 8;
-
-}  // namespace
 
 SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model) {
   SearchRecords records{as_searched(train), {}};

@@ -28,6 +28,9 @@ struct SearchRecords {
   const Experiments& look() const { return are_long() ? stretches : train; }
 };
 
+/// As searches score them: whole, their starts included; responses by their logarithm.
+Experiments as_searched(Experiments experiments);
+
 /// All starts scored, as a search begins; stretches with the leads that `model` needs.
 SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model);
 

@@ -138,7 +138,7 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
   }
   parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
     auto& r = ranking[i];
-    if (r.outcome != CandidateOutcome::no_name && r.train_rms <= setting.options.round.in_the_running * best)
+    if (r.outcome != CandidateOutcome::no_name && r.train_rms <= setting.options.round.far_behind * best)
       r.log_evidence = log_evidence(r.model, records.train);
   });
 }

@@ -28,8 +28,6 @@ struct PresentModel {
   Vector unexplained;             ///< the residuals without that
   double energy = 0.0;            ///< of the residuals
   double unexplained_energy = 0.0;
-  /// Residuals are logarithms: a delay of any size then promises the same, and the nearest start is the best.
-  bool logarithmic = false;
 };
 
 struct StartScore {
@@ -37,13 +35,6 @@ struct StartScore {
   double score = 0.0;
   double left = 0.0;  ///< of the energy, at the start itself
 };
-
-/// Starts whose scores differ by less than this are told apart by how near they are.
-constexpr double kNearness = 0.02;
-
-double merit(const StartScore& s) {
-  return s.score - kNearness * std::min(1.0, s.left);
-}
 
 double moved_value(const Unknown& u, double value) {
   const double step = kDirectionStep * (u.logarithmic ? value : u.scale);
@@ -78,9 +69,8 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
     const double score = present.unexplained_energy > 0.0 ? along / present.unexplained_energy : 0.0;
     scores.push_back({s, score, present.energy > 0.0 ? here.squaredNorm() / present.energy : 0.0});
   }
-  std::stable_sort(scores.begin(), scores.end(), [&](const StartScore& a, const StartScore& b) {
-    return present.logarithmic ? merit(a) > merit(b) : a.score > b.score;
-  });
+  std::stable_sort(scores.begin(), scores.end(),
+                   [](const StartScore& a, const StartScore& b) { return a.score > b.score; });
   // What moves edges across samples has no direction in which a fit could slide: where it leaves least is where it is.
   const bool edges =
       std::any_of(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return u.hop > 0.0; });
@@ -103,7 +93,6 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   PresentModel present;
   present.residuals = out;
   present.energy = as_eigen(out).squaredNorm();
-  present.logarithmic = are_responses(look);
   for (const auto& column : sensitivities(model, look)) {
     if (column.size() > 0) present.known.add(to_vector(column));
   }

@@ -36,14 +36,6 @@ chain::Chain started(chain::Chain base, Start start) {
   return base;
 }
 
-/// The records from their first samples on.
-Experiments whole(Experiments train) {
-  for (auto& e : train) {
-    if (auto* time = std::get_if<TimeExperiment>(&e)) time->score_start();
-  }
-  return train;
-}
-
 /// What a model leaves of them when each record began in an unknown state: what free responses of the model explain is taken off.
 double whole_rms_from_any_state(const Model& model, Experiments train) {
   constexpr std::size_t kFirst = 1;
@@ -63,7 +55,7 @@ struct Tried {
 
 Tried tried(const Model& model, const Experiments& train, const SearchOptions& options) {
   const SearchSetting setting{options, model};
-  return {rms_of(model, whole(train)), log_evidence(model, whole(train)),
+  return {rms_of(model, as_searched(train)), log_evidence(model, as_searched(train)),
           !leave_out_wrong_starts(setting, make_records(train, options.stretches, model), model).found};
 }
 
@@ -102,7 +94,7 @@ StartedSearch search_from_start(const chain::Chain& base, const Experiments& tra
                                 const SearchOptions& options) {
   if (base.start || !any_begins_under_bias(train)) return {search_all(base, train, options), std::nullopt};
   const auto at_rest = started(base, Start::equilibrium);
-  const Start first = rms_of(Model(at_rest), whole(train)) < rms_of(Model(base), whole(train))
+  const Start first = rms_of(Model(at_rest), as_searched(train)) < rms_of(Model(base), as_searched(train))
                           ? Start::equilibrium
                           : Start::zero;
   const Start other = first == Start::zero ? Start::equilibrium : Start::zero;

@@ -13,6 +13,9 @@ namespace bodesmith::gap {
 inline constexpr double kTimesLargest = 1.5;
 inline constexpr double kDeviations = 7.0;
 
+/// Of the energy, what a sign must hold: less is no matter, however sure.
+inline constexpr double kLeastShare = 0.02;
+
 /// What a figure of merit reaches on surrogates, by chance.
 class Chance {
  public:

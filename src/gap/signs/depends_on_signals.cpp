@@ -14,8 +14,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A prediction counts when it explains more of the energy than this.
-constexpr double kMinShare = 0.015;
 /// Curves of any form must be so much plainer: they follow slow noise where a drive dwells at few levels.
 constexpr double kPlainCurve = 2.5;
 /// The ridge of the weights: grows with the residual's memory, as fewer effective samples carry fewer
@@ -79,7 +77,7 @@ Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
     Chance chance;
     for (const auto& [of_learned, of_applied] : surrogates)
       chance.add(prediction.share(of_learned, of_applied));
-    const double limit = std::max(kMinShare, chance.limit());
+    const double limit = std::max(kLeastShare, chance.limit());
     sign.strength = std::max(sign.strength, got / (plainer * limit));
   }
   return sign;

@@ -10,8 +10,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// The share of the energy must be above this.
-constexpr double kMinGainShare = 0.03;
 /// Of few lines, slow gains make much by chance: there what they leave must be less, by odds this many times surrogates'
 /// best.
 constexpr double kGainTimesOdds = 4.0;
@@ -51,8 +49,8 @@ Sign gain_varies(const Leftover& record) {
   const double got = share(record.residual);
   const Chance chance = on_surrogates(record.residual, 4000, share);
   const auto odds = [](double part) { return part / std::max(1.0 - part, 1e-6); };
-  sign.strength = std::max(got / std::max(kMinGainShare, chance.limit()),
-                           got < kMinGainShare ? 0.0 : odds(got) / (kGainTimesOdds * odds(chance.max())));
+  sign.strength = std::max(got / std::max(kLeastShare, chance.limit()),
+                           got < kLeastShare ? 0.0 : odds(got) / (kGainTimesOdds * odds(chance.max())));
   return sign;
 }
 

@@ -33,7 +33,6 @@ std::string to_string(SignKind kind) {
                                  "a line stands in the residual's spectrum",
                                  "the residual jumps",
                                  "the gain varies with time",
-                                 "the residual keeps to few stretches of time and frequency together",
                                  "far more is left at low frequencies than the white floor of the noise",
                                  "the residual holds a constant or a straight line",
                                  "neighbouring frequencies err alike",
@@ -57,8 +56,7 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
     if (!r.response.empty()) {
       for (const auto look : {smooth_over_frequency, stands_apart}) consider([&r, look] { return look(r); });
     } else if (is_long(r)) {
-      for (const auto look :
-           {jumps, gain_varies, spectral_line, concentrated, above_white_floor, straight_line})
+      for (const auto look : {jumps, gain_varies, spectral_line, above_white_floor, straight_line})
         consider([&r, look] { return look(r); });
     }
   }

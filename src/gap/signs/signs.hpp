@@ -20,7 +20,6 @@ enum class SignKind {
   spectral_line,
   jumps,
   gain_varies,
-  concentrated,
   above_white_floor,
   straight_line,
   smooth_over_frequency,
@@ -57,9 +56,6 @@ Sign smooth_over_frequency(const Leftover& record);
 
 /// Single points of a frequency response err far more than those around them (a narrow notch).
 Sign stands_apart(const Leftover& record);
-
-/// The energy lies in few cells of time and frequency together, as that of a chirp or of bursts does.
-Sign concentrated(const Leftover& record);
 
 /// The spectrum has a flat floor, and what stands on it at low frequencies is plainly more than that, and no noise that
 /// forgets itself.

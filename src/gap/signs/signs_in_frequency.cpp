@@ -3,6 +3,7 @@
 #include <numeric>
 #include <optional>
 
+#include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
@@ -10,8 +11,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A line holds at least this share of the energy.
-constexpr double kMinLineShare = 0.02;
 /// Neighbours begin beyond the width of the periodogram's window, and are so many to each side.
 constexpr std::size_t kWindowBins = 4;
 constexpr std::size_t kMinReach = 6;
@@ -64,7 +63,7 @@ Sign spectral_line(const Leftover& record) {
   for (std::size_t k = kWindowBins; k + kWindowBins < power.size(); ++k) {
     if (power[k] < power[k - 1] || power[k] < power[k + 1]) continue;
     const auto level = level_around(power, k, kWindowBins);
-    if (!level || power[k - 1] + power[k] + power[k + 1] < kMinLineShare * total) continue;
+    if (!level || power[k - 1] + power[k] + power[k + 1] < kLeastShare * total) continue;
     sign.strength = std::max(sign.strength, power[k] / std::max(*level, 1e-300) / limit);
   }
   return sign;

@@ -24,24 +24,6 @@ Leftover noise_of_colour(double memory, unsigned seed) {
   return l;
 }
 
-TEST(Signs, AChirpAndBurstsAreConcentratedAndNoiseIsNot) {
-  auto chirp = noise_of_colour(0.0, 1);
-  auto bursts = noise_of_colour(0.0, 2);
-  for (std::size_t i = 0; i < 2000; ++i) {
-    const double t = static_cast<double>(i) / 2000.0;
-    chirp.residual[i] += 2.0 * std::sin(2.0 * std::numbers::pi * (40.0 + 250.0 * t) * t);
-    for (double middle : {0.2, 0.55, 0.8})
-      bursts.residual[i] +=
-          6.0 * std::exp(-std::pow((t - middle) / 0.015, 2)) * std::sin(2.0 * std::numbers::pi * 300.0 * t);
-  }
-  EXPECT_TRUE(concentrated(chirp).found());
-  EXPECT_TRUE(concentrated(bursts).found());
-  for (unsigned seed = 10; seed < 30; ++seed) {
-    EXPECT_FALSE(concentrated(noise_of_colour(0.0, seed)).found()) << seed;
-    EXPECT_FALSE(concentrated(noise_of_colour(0.98, seed)).found()) << seed;
-  }
-}
-
 // A jump that a straight line was put through (a drift was named), four deviations of the noise high; no noise of any colour and no
 // sine under noise has such steps.
 TEST(Signs, AJumpUnderTheNoiseOfSingleSamplesIsSeen) {

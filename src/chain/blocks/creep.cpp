@@ -5,6 +5,7 @@
 namespace bodesmith::chain {
 namespace {
 
+/// y = u + sum z_i, z_i' = (gains[i] u - z_i)/time_constants_s[i];
 /// H(s) = 1 + sum gains[i]/(1 + s time_constants_s[i]): slow relaxation in parallel with the direct path.
 class Creep final : public BlockType {
  public:

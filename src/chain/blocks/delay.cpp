@@ -4,7 +4,7 @@
 namespace bodesmith::chain {
 namespace {
 
-/// y(t) = u(t - delay_s).
+/// y(t) = u(t - delay_s); H(s) = exp(-s delay_s).
 class Delay final : public BlockType {
  public:
   Delay() : BlockType("delay", "pure delay", {not_negative("delay_s", "s", "delay")}) {}

@@ -5,7 +5,8 @@
 namespace bodesmith::chain {
 namespace {
 
-/// H(s) = gain (1 + s/(2 pi zero_hz))/(1 + s/(2 pi pole_hz)).
+/// With p = 2 pi pole_hz and r = pole_hz/zero_hz, z' = -p (z - u), y = gain (z + r (u - z)):
+/// H(s) = gain (1 + s/(2 pi zero_hz))/(1 + s/p).
 class FirstOrder : public BlockType {
  public:
   using BlockType::BlockType;
@@ -32,7 +33,7 @@ class FirstOrder : public BlockType {
   virtual Corners corners(const Block& block) const = 0;
 };
 
-/// H(s) = 1/(1 + s/(2 pi corner_hz)): an amplifier's first-order lag.
+/// y' = -w (y - u), w = 2 pi corner_hz; H(s) = 1/(1 + s/w): an amplifier's first-order lag.
 class Lowpass final : public FirstOrder {
  public:
   Lowpass()
@@ -58,8 +59,8 @@ class PoleZero final : public FirstOrder {
   }
 };
 
-/// H(s) = (1 - s/(2 pi right_zero_hz))/(1 + s/(2 pi pole_hz)): a step begins the wrong way. Equal corners: the all-pass of
-/// first order.
+/// H(s) = (1 - s/(2 pi right_zero_hz))/(1 + s/(2 pi pole_hz)): a step begins the wrong way (pole_zero with zero_hz =
+/// -right_zero_hz). Equal corners: the all-pass of first order.
 class RightHalfPlaneZero final : public FirstOrder {
  public:
   RightHalfPlaneZero()

@@ -7,6 +7,7 @@
 namespace bodesmith::chain {
 namespace {
 
+/// y = u + R(d/dt) sum z_i, z_i'' + 2 zeta_i w_i z_i' + w_i^2 z_i = gains[i] w_i^2 u;
 /// H(s) = 1 + R(s) sum gains[i]/(1 + 2 zeta_i s/w_i + s^2/w_i^2): modes in parallel with the direct path, of either sign (modal
 /// superposition: A. Preumont, Vibration Control of Active Structures, 2011, ch. 2). Neighbours of one sign have a zero
 /// between them, those of opposite signs have none, or zeros in the right half-plane.

@@ -65,7 +65,8 @@ class NonlinearResonator final : public OdeKernel {
   double drag_;
 };
 
-/// y'' + 2 zeta w y' + w^2 (y + quadratic y^2 + cubic y^3) + drag w |y'| y' = gain w^2 u.
+/// y'' + 2 zeta w y' + w^2 (y + quadratic y^2 + cubic y^3) + drag w |y'| y' = gain w^2 u;
+/// without quadratic, cubic and drag H(s) = gain/(1 + 2 zeta s/w + s^2/w^2).
 class Resonator final : public BlockType {
  public:
   Resonator()

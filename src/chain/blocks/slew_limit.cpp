@@ -48,8 +48,8 @@ class SlewLimiter final : public MemoryKernel {
   double y_ = 0.0;
 };
 
-/// x follows u as fast as |x'| <= rate_per_s allows; y = x + feedthrough (u - x): the part of an input edge
-/// that reaches the output at once, as through the feedback network of a slewing op-amp.
+/// x = u, or x' = rate_per_s sign(u - x) while u runs away: |x'| <= rate_per_s; y = x + feedthrough (u - x): the part of an
+/// input edge that reaches the output at once, as through the feedback network of a slewing op-amp.
 class SlewLimit final : public BlockType {
  public:
   SlewLimit()

@@ -6,9 +6,9 @@
 
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
-#include "simulate/hold_response.hpp"
 #include "simulate/ode/cvode_solver.hpp"
 #include "tracking/driven_stage.hpp"
+#include "tracking/stage.hpp"
 
 namespace bodesmith::tracking {
 namespace {
@@ -22,27 +22,6 @@ Eigen::MatrixXd forgotten(const StateSpace& system, double repeat_s) {
   const Eigen::Index n = eigen_index(system.order());
   const Eigen::MatrixXd a = Eigen::Map<const RowMatrix>(system.a.data(), n, n);
   return Eigen::MatrixXd::Identity(n, n) - matrix_exponential(Eigen::MatrixXd(a * repeat_s));
-}
-
-/// The states at the beginning of a repeat under an input that repeats and is straight between its samples.
-Eigen::VectorXd periodic_start(const StateSpace& system, const Eigen::MatrixXd& forgotten_in_repeat,
-                               const std::vector<double>& input, double repeat_s) {
-  const Eigen::Index n = eigen_index(system.order());
-  const double step = repeat_s / static_cast<double>(input.size());
-  const double* b = system.b.data();
-  simulate::HoldResponse part;
-  simulate::HoldResponseSolver().solve({system.order(), system.a.data(), {&b, 1}}, step,
-                                       simulate::hold_nodes(1), 1.0, part);
-  const Eigen::MatrixXd e = Eigen::Map<const RowMatrix>(part.e.data(), n, n);
-  const Eigen::MatrixXd g = Eigen::Map<const RowMatrix>(part.g[0].data(), n, 2);
-  Eigen::VectorXd forced = Eigen::VectorXd::Zero(n);
-  Eigen::VectorXd next(n);
-  for (std::size_t i = 0; i < input.size(); ++i) {
-    next.noalias() = e * forced;
-    next += g.col(0) * input[i] + g.col(1) * input[(i + 1) % input.size()];
-    forced.swap(next);
-  }
-  return solve_lu(forgotten_in_repeat, forced);
 }
 
 /// One repeat of one design, piece by piece between the reference's turning points.
@@ -120,7 +99,8 @@ std::vector<double> RepeatRun::first_states(const PeriodicState& begin) const {
       x.push_back(inputs[i].front());
       continue;
     }
-    const Eigen::VectorXd states = periodic_start(block, forgotten_[i], inputs[i], repeat);
+    const std::vector<double> states =
+        settled_path(block, inputs[i], repeat / static_cast<double>(inputs[i].size())).states;
     x.insert(x.end(), states.begin(), states.end());
   }
   x.resize(std::max<std::size_t>(stage_.order(), 1), 0.0);

@@ -10,8 +10,10 @@
 
 #include "base/error.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
-#include "lti/bulk_response.hpp"
 #include "numeric/fourier.hpp"
+#include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
+#include "simulate/hold_response.hpp"
 
 namespace bodesmith::tracking {
 namespace {
@@ -137,49 +139,6 @@ std::vector<TurningPoint> turning_points(std::span<const double> u, std::size_t 
   return out;
 }
 
-/// What makes a path's response at the bins of a spectrum.
-std::vector<double> numbers_of(const Sections& path, std::size_t samples, double step_s) {
-  std::vector<double> out = {static_cast<double>(samples), step_s, path.gain};
-  for (const Section& section : path.sections) {
-    out.push_back(section.gain);
-    for (const auto* roots : {&section.zeros, &section.poles}) {
-      out.push_back(static_cast<double>(roots->size()));
-      for (const Complex& root : *roots) {
-        out.push_back(root.real());
-        out.push_back(root.imag());
-      }
-    }
-  }
-  return out;
-}
-
-/// The path at 0 Hz and every multiple of 1/(samples step_s) up to the middle, which are real numbers at both ends. A study
-/// asks for the same few paths and periods again and again: the last ones are kept, one row a thread.
-const std::vector<Complex>& response_at_bins(const Sections& path, std::size_t samples, double step_s) {
-  constexpr std::size_t kKept = 16, kLongest = std::size_t{1} << 17;
-  struct Known {
-    std::vector<double> numbers;
-    std::vector<Complex> h;
-  };
-  thread_local std::array<Known, kKept> known;
-  thread_local std::size_t next = 0;
-  thread_local Known long_one;
-  std::vector<double> numbers = numbers_of(path, samples, step_s);
-  for (const Known& one : known) {
-    if (one.numbers == numbers) return one.h;
-  }
-  std::vector<Hertz> grid;
-  grid.reserve(samples / 2 + 1);
-  for (std::size_t k = 0; k <= samples / 2; ++k)
-    grid.push_back({static_cast<double>(k) / (static_cast<double>(samples) * step_s)});
-  std::vector<Complex> h = responses(path, grid);
-  h.front() = h.front().real();
-  if (samples % 2 == 0) h.back() = h.back().real();
-  Known& place = samples > kLongest ? long_one : known[next++ % kKept];
-  place = {std::move(numbers), std::move(h)};
-  return place.h;
-}
-
 }  // namespace
 
 LagResult best_lag(const std::vector<double>& y, const std::vector<double>& x, double period_s) {
@@ -257,12 +216,46 @@ std::vector<double> PolynomialStage::by_turning_points(const std::vector<double>
   return q;
 }
 
+SettledPath settled_path(const StateSpace& system, std::span<const double> u, double step_s) {
+  using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  SettledPath out{std::vector<double>(system.order()), std::vector<double>(u.size())};
+  const Eigen::Index n = eigen_index(system.order());
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(n), next(n);
+  const auto follow = [&](const auto& move) {
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      out.output[i] = output(system, u[i], state.data());
+      move(u[i], u[(i + 1) % u.size()]);
+    }
+  };
+  if (n == 0) {
+    follow([](double, double) {});
+    return out;
+  }
+  const double* b = system.b.data();
+  simulate::HoldResponse hold;
+  simulate::HoldResponseSolver().solve({system.order(), system.a.data(), {&b, 1}}, step_s,
+                                       simulate::hold_nodes(1), 1.0, hold);
+  const Eigen::MatrixXd e = Eigen::Map<const RowMatrix>(hold.e.data(), n, n);
+  const Eigen::MatrixXd g = Eigen::Map<const RowMatrix>(hold.g[0].data(), n, 2);
+  const auto move = [&](double from, double to) {
+    next.noalias() = e * state;
+    next += g.col(0) * from + g.col(1) * to;
+    state.swap(next);
+  };
+  follow(move);
+  // What a repeat leaves of the states that it began with comes on top.
+  const Eigen::MatrixXd a = Eigen::Map<const RowMatrix>(system.a.data(), n, n);
+  const double repeat_s = step_s * static_cast<double>(u.size());
+  state = solve_lu(
+      Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n) - matrix_exponential(Eigen::MatrixXd(a * repeat_s))),
+      state);
+  std::copy_n(state.data(), out.states.size(), out.states.begin());
+  follow(move);
+  return out;
+}
+
 std::vector<double> through_path(const Sections& path, std::span<const double> u, double step_s) {
-  if (path.sections.empty() && path.gain == 1.0) return {u.begin(), u.end()};
-  std::vector<Complex> bins = half_spectrum(u);
-  const std::vector<Complex>& h = response_at_bins(path, u.size(), step_s);
-  for (std::size_t k = 0; k < bins.size(); ++k) bins[k] *= h[k];
-  return from_half_spectrum(bins, u.size());
+  return settled_path(state_space(path), u, step_s).output;
 }
 
 std::vector<bool> rising_samples(std::span<const double> u, double turn_back) {
@@ -273,14 +266,22 @@ std::vector<bool> rising_samples(std::span<const double> u, double turn_back) {
   if (turns.size() == 1) return out;  // it never turns
   for (std::size_t t = 0; t < turns.size(); ++t) {
     const std::size_t end = t + 1 < turns.size() ? turns[t + 1].at : start;
-    const bool up = !turns[t].maximum;
-    // Where the drive jumps from branch to branch, the turning sample belongs to the side that it is close to.
-    const std::size_t at = turns[t].at;
-    const double before = std::abs(u[at] - u[(at + n - 1) % n]);
-    const double behind = std::abs(u[(at + 1) % n] - u[at]);
-    out[at] = behind > before ? !up : up;
-    if (up) continue;
-    for (std::size_t k = (at + 1) % n; k != end; k = k + 1 == n ? 0 : k + 1) out[k] = false;
+    for (std::size_t k = turns[t].at; turns[t].maximum && k != end; k = k + 1 == n ? 0 : k + 1)
+      out[k] = false;
+  }
+  // Where the drive jumps from branch to branch, the turning sample belongs to the side that it is close to. A jump through a lag
+  // far shorter than a sample has its extreme one or two samples later (between samples it counts as a ramp): a step four times
+  // the one before it, which leaves less than a quarter of itself to go, has arrived.
+  const auto step_to = [&](std::size_t k) { return std::abs(u[k % n] - u[(k + n - 1) % n]); };
+  for (const TurningPoint& turn : turns) {
+    const bool up = !turn.maximum;
+    if (step_to(turn.at + 1) > step_to(turn.at)) out[turn.at] = !up;
+    for (std::size_t back = 1; back <= 2; ++back) {
+      const std::size_t k = (turn.at + n - back) % n;
+      if (step_to(k) <= 4.0 * step_to(k + n - 1) || std::abs(u[turn.at] - u[k]) >= 0.25 * step_to(k))
+        continue;
+      for (std::size_t i = 0; i <= back; ++i) out[(k + i) % n] = up;
+    }
   }
   return out;
 }

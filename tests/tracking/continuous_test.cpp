@@ -1,4 +1,4 @@
-// Slow sines through circuits: poles of isolating resistors (45 million rad/s), and turns where the drive turns twice in a moment.
+// Slow references: poles of isolating resistors (45 million rad/s), drives that turn twice in a moment or jump.
 #include "tracking/continuous.hpp"
 
 #include <gtest/gtest.h>
@@ -43,6 +43,26 @@ TEST(TrackContinuous, SlowSinesThroughCircuitsAreWhatHarmonicsSay) {
   for (const Case& one : report.cases) {
     ASSERT_TRUE(one.check.has_value());
     EXPECT_LT(one.check->difference_percent, 0.02) << one.design << " at " << one.frequency.value;
+  }
+}
+
+// Fed by its own drive the generator leaves nothing of a slow reference, also where the drive jumps from branch to branch at a turn
+// between two samples: a lag of microseconds is none at samples of milliseconds.
+TEST(TrackHarmonics, NothingIsLeftOfSlowReferencesWhoseDriveJumps) {
+  for (const auto shape :
+       {Reference::Shape::two_tone, Reference::Shape::decaying_triangle, Reference::Shape::triangle}) {
+    for (const double alpha : {1.0, 0.6}) {
+      Options options;
+      options.frequencies = {Hertz{0.1}, Hertz{0.5}, Hertz{1.0}};
+      options.place = Options::Place::before_switch;
+      options.reference = shape;
+      options.alpha = alpha;
+      options.time_domain = false;
+      const Design design{"self-fed", ConstantGain{}, ConstantGain{}, "", GeneratorForm::self_fed()};
+      for (const Case& one : track(nanopositioner(), {design}, options).cases)
+        EXPECT_LT(one.rms_percent_without_lag, 0.01)
+            << to_string(shape) << " " << alpha << " at " << one.frequency.value;
+    }
   }
 }
 

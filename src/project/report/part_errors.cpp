@@ -49,7 +49,7 @@ void part_errors_chapter(report::Page& page, const Run& run) {
   page.chapter("Errors of the controller's parts");
   page.paragraph(fmt::format(
       "{} copies of the analog controller with parts drawn at random (what is assumed: controller.json, errors_of_parts). "
-      "Tracking error of the stage that reads its drive, percent of range, lag removed.",
+      "Tracking error of the stage that reads its drive along a triangle, percent of range, lag removed.",
       report.study.draws));
   page.table(spread_table(report.trims, report.study.frequencies),
              "Copies as they are built, and trimmed blind by the steps of controller/trim.md");

@@ -3,7 +3,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "base/whole_number.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
 #include "simulate/ode/cvode_solver.hpp"
@@ -36,7 +38,7 @@ class RepeatRun {
       forgotten_.push_back(block.order() > 0 ? forgotten(block, stage_.repeat_s()) : Eigen::MatrixXd());
   }
 
-  std::vector<double> run(const PeriodicState& begin, std::size_t samples);
+  ContinuousRun run(const PeriodicState& begin, std::size_t samples);
 
  private:
   std::vector<double> first_states(const PeriodicState& begin) const;
@@ -44,7 +46,8 @@ class RepeatRun {
   DrivenStage::Outputs evaluate(double t, const double* x, double* dx) const;
   double piece_end(std::size_t piece) const;
   /// Integrates one piece from x, writing the samples that lie in it; x is then the state at its end.
-  void sample_piece(CvodeSolver& solver, std::size_t piece, std::vector<double>& x, std::vector<double>& out);
+  void sample_piece(CvodeSolver& solver, std::size_t piece, std::vector<double>& x, ContinuousRun& out);
+  void add_nodes(CvodeSolver& solver, double from, ContinuousRun& out);
   /// Moves x to where a repeat that ends at `end` should have begun, by the linear blocks alone; the largest move, of states larger than 1 relative.
   double correct(std::vector<double>& x, const std::vector<double>& end) const;
 
@@ -137,8 +140,23 @@ CvodeSolver RepeatRun::make_solver() {
   return solver;
 }
 
+void RepeatRun::add_nodes(CvodeSolver& solver, double from, ContinuousRun& out) {
+  constexpr double kLongest = 1.0 / 1024.0;  // of a repeat: a step may be long where y is smooth and x is not
+  const double repeat = stage_.repeat_s(), span = solver.time() - from;
+  const auto parts = whole_number<std::size_t>(std::ceil(span / (kLongest * repeat)), 1);
+  const double part = span / static_cast<double>(parts);
+  std::vector<double> inside(rates_.size());
+  for (std::size_t i = 0; i < parts; ++i) {
+    for (const double place : {0.5 - std::sqrt(1.0 / 12.0), 0.5 + std::sqrt(1.0 / 12.0)}) {
+      const double t = from + (static_cast<double>(i) + place) * part;
+      solver.at(t, inside.data());
+      out.nodes.push_back({t, evaluate(t, inside.data(), rates_.data()).displacement, 0.5 * part / repeat});
+    }
+  }
+}
+
 void RepeatRun::sample_piece(CvodeSolver& solver, std::size_t piece, std::vector<double>& x,
-                             std::vector<double>& out) {
+                             ContinuousRun& out) {
   piece_ = piece;
   stage_.enter_piece(piece);
   const double repeat = stage_.repeat_s();
@@ -153,17 +171,18 @@ void RepeatRun::sample_piece(CvodeSolver& solver, std::size_t piece, std::vector
     bool turned = false;
     while (outcome == CvodeSolver::Outcome::stepped && !turned) {
       outcome = solver.step();
+      add_nodes(solver, std::exchange(t, solver.time()), out);
       // Two crossings within a step are none to the solver: just behind an event the drive may turn again.
       if (stage_.reads_drive() && outcome == CvodeSolver::Outcome::stepped) {
         const double slope = evaluate(solver.time(), solver.state(), rates_.data()).drive_slope;
         turned = slope != 0.0 && (slope > 0.0) != stage_.drive_rises();
         if (turned) stage_.turn_drive(slope > 0.0);
       }
-      for (; sample_ < out.size(); ++sample_) {
-        const double when = repeat * static_cast<double>(sample_) / static_cast<double>(out.size());
+      for (; sample_ < out.samples.size(); ++sample_) {
+        const double when = repeat * static_cast<double>(sample_) / static_cast<double>(out.samples.size());
         if (when > solver.time() || (when >= stop && !last)) break;
         solver.at(std::max(when, solver.step_begin()), inside.data());
-        out[sample_] = evaluate(when, inside.data(), rates_.data()).displacement;
+        out.samples[sample_] = evaluate(when, inside.data(), rates_.data()).displacement;
       }
     }
     t = outcome == CvodeSolver::Outcome::stopped ? stop : solver.time();
@@ -193,15 +212,16 @@ double RepeatRun::correct(std::vector<double>& x, const std::vector<double>& end
   return most;
 }
 
-std::vector<double> RepeatRun::run(const PeriodicState& begin, std::size_t samples) {
+ContinuousRun RepeatRun::run(const PeriodicState& begin, std::size_t samples) {
   constexpr int kMaxRounds = 12;
   constexpr double kSettled = 2e-5;  // of the stroke; the next round leaves less than half of it
-  std::vector<double> out(samples);
+  ContinuousRun out{std::vector<double>(samples), {}};
   std::vector<double> x = first_states(begin);
   CvodeSolver solver = make_solver();
   for (int round = 0; round < kMaxRounds; ++round) {
     std::vector<double> end = x;
     sample_ = 0;
+    out.nodes.clear();
     for (std::size_t piece = 0; piece < stage_.reference().turns().size(); ++piece)
       sample_piece(solver, piece, end, out);
     if (correct(x, end) < kSettled) break;
@@ -211,9 +231,18 @@ std::vector<double> RepeatRun::run(const PeriodicState& begin, std::size_t sampl
 
 }  // namespace
 
-std::optional<std::vector<double>> track_continuous(const Plant& plant, const Design& design,
-                                                    const Options& options, const PeriodicTracking& periodic,
-                                                    const PeriodicState& begin, std::size_t samples) {
+double ContinuousRun::rms(const Reference& reference, double repeat_s, double lag_s) const {
+  double sum = 0.0;
+  for (const Node& node : nodes) {
+    const double turns = (node.time_s - lag_s) / repeat_s;
+    sum += node.share * std::pow(node.y - reference.value(turns - std::floor(turns)), 2);
+  }
+  return std::sqrt(sum);
+}
+
+std::optional<ContinuousRun> track_continuous(const Plant& plant, const Design& design,
+                                              const Options& options, const PeriodicTracking& periodic,
+                                              const PeriodicState& begin, std::size_t samples) {
   auto stage = DrivenStage::of(plant, design, options, periodic.frequency());
   if (!stage) return std::nullopt;
   return RepeatRun(std::move(*stage), periodic, options).run(begin, samples);

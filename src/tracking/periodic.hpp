@@ -18,8 +18,8 @@ struct PeriodicState {
   std::vector<std::vector<double>> heard;  ///< what each pass of the generator works on; the loop: v
 };
 
-/// One reference at one frequency, shared by all designs: the nonlinear parts sample by sample, the linear ones
-/// harmonic by harmonic. Keeps references to plant and options.
+/// One reference at one frequency, shared by all designs: the nonlinear parts sample by sample, compensators
+/// harmonic by harmonic, paths from sample to sample (settled_path()). Keeps references to plant and options.
 class PeriodicTracking {
  public:
   PeriodicTracking(const Plant& plant, const Options& options, Hertz frequency);

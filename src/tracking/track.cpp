@@ -69,6 +69,7 @@ struct Tracked {
   std::vector<double> displacement;
   std::vector<double> reference;
   std::optional<Case::Check> check;
+  std::optional<ContinuousRun> in_time;
 };
 
 double range_of(const std::vector<double>& y) {
@@ -79,20 +80,18 @@ double range_of(const std::vector<double>& y) {
 /// In the time domain where that is wanted and the design has one, checked by the harmonic computation.
 Tracked displacement_of(const Plant& plant, const Design& design, const Options& options,
                         const PeriodicTracking& periodic, const PeriodicState& state) {
-  Tracked out{state.displacement, periodic.reference(), std::nullopt};
+  Tracked out{state.displacement, periodic.reference(), std::nullopt, std::nullopt};
   if (!options.time_domain || plant.stage) return out;
   const std::size_t samples = kSamples * periodic.form().periods();
-  if (auto sampled = track_continuous(plant, design, options, periodic, state, samples)) {
-    out.displacement = std::move(*sampled);
-  } else {
-    return out;
-  }
+  out.in_time = track_continuous(plant, design, options, periodic, state, samples);
+  if (!out.in_time) return out;
+  out.displacement = out.in_time->samples;
   const std::vector<double> coarse = thinned(state.displacement, samples);
   out.reference = thinned(periodic.reference(), samples);
   const std::vector<double>& y = out.displacement;
   double sum = 0.0;
   for (std::size_t i = 0; i < y.size(); ++i) sum += std::pow(y[i] - coarse[i % coarse.size()], 2);
-  out.check = Case::Check{plain_error(coarse, out.reference).rms_percent,
+  out.check = Case::Check{plain_error(state.displacement, periodic.reference()).rms_percent,
                           100.0 * std::sqrt(sum / static_cast<double>(y.size())) / range_of(y)};
   return out;
 }
@@ -131,6 +130,16 @@ std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& design
     const TrackingError settled = tracking_error(last, waves.reference, period);
     c.lag_s = settled.lag_s;
     c.rms_percent_without_lag = settled.rms_percent_without_lag;
+    if (waves.in_time) {
+      const auto [low, high] = std::ranges::minmax(waves.in_time->nodes, {}, &ContinuousRun::Node::y);
+      const auto [least, most] = std::ranges::minmax(waves.in_time->samples);
+      c.range = std::max(high.y, most) - std::min(low.y, least);
+      const auto percent = [&](double lag_s) {
+        return 100.0 * waves.in_time->rms(periodic.form(), period, lag_s) / c.range;
+      };
+      c.rms_percent = percent(0.0);
+      c.rms_percent_without_lag = percent(c.lag_s);
+    }
     c.check = waves.check;
     if (options.also_on_reference) {
       const std::vector<double> y = periodic.displacement(states.back().drive, Options::Argument::reference);

@@ -94,7 +94,7 @@ struct Case : TrackingError {
   /// What rms_percent would be if the stage read the reference; by the harmonic computation.
   std::optional<double> on_reference_percent;
   double lost_rms_percent = 0.0;  ///< rms of c against the design it was made from, percent of stroke
-  /// The same by the harmonic computation (linear parts harmonic by harmonic, the rest sample by sample; clocked designs without
+  /// The same by the harmonic computation (compensators harmonic by harmonic, the rest sample by sample; clocked designs without
   /// images), where the figures above are of one period that CVODE integrated.
   struct Check {
     double rms_percent = 0.0;

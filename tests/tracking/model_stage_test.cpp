@@ -156,8 +156,8 @@ TEST(Generator, ALoopWithAFilterInItIsWhatSteppingByHandFinds) {
                               tracked_at({5, 100}));
   for (const Case& c : report.cases) {
     EXPECT_TRUE(c.check.has_value());
-    EXPECT_NEAR(c.rms_percent, stepped_by_hand(c.frequency.value), 2e-3) << c.frequency.value;
-    EXPECT_NEAR(c.check->rms_percent, c.rms_percent, 2e-3);
+    EXPECT_NEAR(c.rms_percent, stepped_by_hand(c.frequency.value), 1e-3) << c.frequency.value;
+    EXPECT_NEAR(c.check->rms_percent, c.rms_percent, 1e-3);
   }
 }
 

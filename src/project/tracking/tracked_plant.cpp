@@ -54,7 +54,6 @@ tracking::Design compensated_design(const Project& project, std::string name,
 std::vector<double> tracked_percents(const Project& project, const tracking::Design& design) {
   tracking::Options options = tracking_options(project);
   options.time_domain = false;
-  options.harmonics = 1024;
   std::vector<double> out;
   try {
     const tracking::Report report = tracking::track(tracking_plant(project), {design}, options);

@@ -32,6 +32,7 @@ constexpr double kTimeConstants = 8.0;  ///< of the slowest pole before the wind
 /// The clock and the reference meet nowhere: so many periods of the slowest clock are most of what they can do together.
 constexpr double kLeastClocks = 25.0;
 constexpr double kSamplesAClock = 8.0;
+constexpr double kSamplesAPeriod = 8192.0;  ///< of the reference, as the closed form has them
 /// Whatever the steps inside an edge of a clock are, charge is kept: by Euler's backward rule, and as long as the sources' corners let
 /// them be (trtol), drives are within 2e-6 of the stroke of those by a tenth of the steps and Gear's second order.
 constexpr const char* kSteps = ".options maxord=1 trtol=10000 bypass=1\n";
@@ -87,8 +88,9 @@ class BoardTracker {
     Window out{tracking::Reference(project_.track.waveform(), project_.track.amplitude()), operating};
     out.repeat_s = static_cast<double>(out.reference.periods()) / operating.value;
     const double repeats = std::ceil(kLeastClocks / (slowest_hz_ * out.repeat_s));
-    const double blocks = std::ceil(std::max(1.0, kSamplesAClock * fastest_hz_ * out.repeat_s / 1024.0));
-    out.a_repeat = 1024 * whole_number<std::size_t>(blocks, 1, 1024);
+    const double samples = std::max(kSamplesAPeriod * static_cast<double>(out.reference.periods()),
+                                    kSamplesAClock * fastest_hz_ * out.repeat_s);
+    out.a_repeat = 1024 * whole_number<std::size_t>(std::ceil(samples / 1024.0), 1, 1024);
     out.step_s = out.repeat_s / static_cast<double>(out.a_repeat);
     out.count = out.a_repeat * whole_number<std::size_t>(repeats, 1, 1024);
     out.skipped = whole_number<std::size_t>(std::ceil(settled_s_ / out.step_s), 0, std::size_t{1} << 40);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/error.hpp"
 
 namespace bodesmith::synthesis {
@@ -27,6 +29,25 @@ TEST(SumSearch, ASmallTermOfALargeVoltageIsMadeAsWellAsItGoes) {
     EXPECT_NEAR(design.gains[0] * row[0] + design.gains[1] * row[1], row[2], 2e-3);
   EXPECT_THROW(search_sum({-1000.0, -0.01}, {{1.0, 2.5, -1000.025}}, Series::named("E96"), "control"),
                DesignError);
+}
+
+TEST(SumSearch, TheExactResistorsMakeTheGainsAndTheRealisedOnesNearThem) {
+  const std::vector<std::vector<double>> all = {
+      {0.5, -0.25}, {2.0, 0.3, -0.7}, {-1.0, -0.5}, {0.2, 0.1, 0.05}, {0.3, -3.0, 1.1}};
+  for (const std::vector<double>& gains : all) {
+    std::vector<std::vector<double>> rows;
+    for (std::size_t k = 0; k < gains.size(); ++k) {
+      std::vector<double>& row = rows.emplace_back(gains.size() + 1, 0.0);
+      row[k] = 1.0;
+      row.back() = gains[k];
+    }
+    const SummingDesign design = search_sum(gains, rows, Series::named("E96"), "sum");
+    const std::vector<double> exact = summing_gains(design.exact, gains);
+    for (std::size_t k = 0; k < gains.size(); ++k) {
+      EXPECT_NEAR(exact[k], gains[k], 1e-9) << gains[0];
+      EXPECT_NEAR(design.gains[k], gains[k], 0.02 * std::abs(gains[k])) << gains[0];
+    }
+  }
 }
 
 TEST(SummingResistors, ANearlyStraightPolynomialIsMade) {

@@ -120,17 +120,19 @@ CircuitTracked track_circuit(const Project& project, const Design& design,
       by_ngspice.push_back(compensated_design(project, one.design.name, simulated, one.design.form));
   }
   // Near their gain-bandwidth op-amps may have gains round which the closed form does not settle: then without harmonics up there.
-  for (const std::size_t harmonics : {options.harmonics, std::size_t{1024}}) {
-    options.harmonics = harmonics;
-    try {
-      out.by_parts = tracking::track(plant, by_parts, options);
-      if (!by_ngspice.empty()) out.by_ngspice = tracking::track(plant, by_ngspice, options);
-      out.missing.clear();
-      break;
-    } catch (const DesignError& error) {
-      out.missing = error.what();
+  const auto follow = [&](const std::vector<tracking::Design>& designs) -> tracking::Report {
+    for (const std::size_t harmonics : {std::size_t{4096}, std::size_t{1024}}) {
+      options.harmonics = harmonics;
+      try {
+        return tracking::track(plant, designs, options);
+      } catch (const DesignError& error) {
+        out.missing = error.what();
+      }
     }
-  }
+    return {};
+  };
+  out.by_parts = follow(by_parts);
+  if (!by_ngspice.empty()) out.by_ngspice = follow(by_ngspice);
   return out;
 }
 

@@ -33,7 +33,7 @@ Real pair_slope_by_v(Real v, ComplexReal z) {
 
 }  // namespace
 
-Remez::Remez(Real log_kappa, int order, Shape shape) : log_kappa_(log_kappa), order_(order), shape_(shape) {
+Remez::Remez(Real log_kappa, int order, Shape shape) : log_kappa_(log_kappa), shape_(shape) {
   const Real complement = 1.0L / std::cosh(0.5L * log_kappa);  // of the modulus tanh(ln kappa/2)
   const Real period = complete_elliptic_k(complement);
   const auto place = [&](Real argument) {  // v of tanh(v/2) = sn(argument)

@@ -60,7 +60,6 @@ class Remez {
   std::vector<long double> slopes(const std::vector<long double>& zeta, long double v) const;
 
   long double log_kappa_;
-  int order_;
   Shape shape_;
   std::vector<long double> start_;  ///< first reference
   std::vector<long double> grid_;

@@ -77,7 +77,7 @@ PrandtlIshlinskii PrandtlIshlinskii::from(const Parameters& values) {
   out.u_0 = values.number("u_0");
   out.offset = values.number("offset");
   out.start =
-      *std::ranges::find_if(kStarts, [&](Start start) { return to_string(start) == values.word("start"); });
+      *std::ranges::find_if(kStarts, [&](Start one) { return to_string(one) == values.word("start"); });
   validate_plays(out);
   if (!out.gamma.empty() && (out.gamma.size() != 4 || !(out.gamma[0] * out.gamma[1] > 0.0)))
     throw DesignError("gamma is not [c0, c1, c2, c3] with c0 c1 > 0");

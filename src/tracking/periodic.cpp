@@ -163,12 +163,12 @@ std::vector<double> PeriodicTracking::self_fed_drive(const Design& design, const
   // v = x - c(v). A plain round leaves about max |k d'| of the last one's change; divided by 1 + k d', which is Newton's step
   // as far as k is a gain, it leaves what the filter turns and adds. A loop whose gain reaches 1, or that does not come
   // closer so, goes round plainly.
-  constexpr int kMaxRounds = 200;
+  constexpr int kMostRounds = 200;
   constexpr double kSettled = 1e-11;
   std::vector<double> v = x_;
   bool plain = false;
   double last_change = INFINITY;
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<double> c = compensation(compensators, v);
     double change = 0.0;
     for (std::size_t i = 0; i < n_; ++i) change = std::max(change, std::abs(x_[i] - c[i] - v[i]));

@@ -217,7 +217,7 @@ std::vector<double> PolynomialStage::by_turning_points(const std::vector<double>
 }
 
 SettledPath settled_path(const StateSpace& system, std::span<const double> u, double step_s) {
-  using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   SettledPath out{std::vector<double>(system.order()), std::vector<double>(u.size())};
   const Eigen::Index n = eigen_index(system.order());
   Eigen::VectorXd state = Eigen::VectorXd::Zero(n), next(n);
@@ -235,8 +235,8 @@ SettledPath settled_path(const StateSpace& system, std::span<const double> u, do
   simulate::HoldResponse hold;
   simulate::HoldResponseSolver().solve({system.order(), system.a.data(), {&b, 1}}, step_s,
                                        simulate::hold_nodes(1), 1.0, hold);
-  const Eigen::MatrixXd e = Eigen::Map<const RowMatrix>(hold.e.data(), n, n);
-  const Eigen::MatrixXd g = Eigen::Map<const RowMatrix>(hold.g[0].data(), n, 2);
+  const Eigen::MatrixXd e = Eigen::Map<const RowMajor>(hold.e.data(), n, n);
+  const Eigen::MatrixXd g = Eigen::Map<const RowMajor>(hold.g[0].data(), n, 2);
   const auto move = [&](double from, double to) {
     next.noalias() = e * state;
     next += g.col(0) * from + g.col(1) * to;
@@ -244,7 +244,7 @@ SettledPath settled_path(const StateSpace& system, std::span<const double> u, do
   };
   follow(move);
   // What a repeat leaves of the states that it began with comes on top.
-  const Eigen::MatrixXd a = Eigen::Map<const RowMatrix>(system.a.data(), n, n);
+  const Eigen::MatrixXd a = Eigen::Map<const RowMajor>(system.a.data(), n, n);
   const double repeat_s = step_s * static_cast<double>(u.size());
   state = solve_lu(
       Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n) - matrix_exponential(Eigen::MatrixXd(a * repeat_s))),

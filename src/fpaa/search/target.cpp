@@ -54,8 +54,8 @@ double corner_of(const DesignStage& stage, double master_hz) {
     const std::size_t n = 2 * stage.from.size();
     return clock * c[n] / std::max(c[n + 1], 1e-3 * c[n]);
   }
-  using Stage = DesignStage;
-  return clock * std::sqrt(c[Stage::kC2] * c[Stage::kC3] / (c[Stage::kCA] * c[Stage::kCB]));
+  return clock *
+         std::sqrt(c[DesignStage::kC2] * c[DesignStage::kC3] / (c[DesignStage::kCA] * c[DesignStage::kCB]));
 }
 
 DesignTarget with_clocks_seen(DesignTarget target, const Design& design, const Sections& sections) {

@@ -10,22 +10,13 @@
 #include "numeric/linear_algebra/dense.hpp"
 #include "simulate/ode/cvode_solver.hpp"
 #include "tracking/driven_stage.hpp"
-#include "tracking/stage.hpp"
+#include "tracking/settled_path.hpp"
 
 namespace bodesmith::tracking {
 namespace {
 
 using simulate::CvodeProblem;
 using simulate::CvodeSolver;
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// I - e^(A T): what a repeat takes away of a state that it began with.
-Eigen::MatrixXd forgotten(const StateSpace& system, double repeat_s) {
-  const Eigen::Index n = eigen_index(system.order());
-  const Eigen::MatrixXd a = Eigen::Map<const RowMatrix>(system.a.data(), n, n);
-  return Eigen::MatrixXd::Identity(n, n) - matrix_exponential(Eigen::MatrixXd(a * repeat_s));
-}
-
 /// One repeat of one design, piece by piece between the reference's turning points.
 class RepeatRun {
  public:

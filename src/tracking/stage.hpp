@@ -6,7 +6,6 @@
 
 #include "base/units.hpp"
 #include "lti/sections.hpp"
-#include "lti/state_space.hpp"
 #include "signal/disturbance.hpp"
 
 namespace bodesmith::tracking {
@@ -74,14 +73,7 @@ class PolynomialStage final : public Stage {
 /// InputError for a drive without samples, or with one that is no number.
 void check_drive(std::span<const double> v);
 
-/// A state space in steady state under an input that repeats after its last sample and is straight between samples. Exact, and
-/// without the ripple that a spectrum has where a drive jumps from branch to branch (in which a stage that reads it would turn).
-struct SettledPath {
-  std::vector<double> states;  ///< at the first sample
-  std::vector<double> output;  ///< at every one
-};
-SettledPath settled_path(const StateSpace& system, std::span<const double> u, double step_s);
-/// The same of a path of stable poles.
+/// One period through a path of stable poles, in steady state (settled_path()).
 std::vector<double> through_path(const Sections& path, std::span<const double> u, double step_s);
 
 /// For each sample of a repeating signal whether it rises there: cut at the turning points from which the signal

@@ -121,7 +121,7 @@ CircuitTracked track_circuit(const Project& project, const Design& design,
   }
   // Near their gain-bandwidth op-amps may have gains round which the closed form does not settle: then without harmonics up there.
   const auto follow = [&](const std::vector<tracking::Design>& designs) -> tracking::Report {
-    for (const std::size_t harmonics : {std::size_t{4096}, std::size_t{1024}}) {
+    for (const std::size_t harmonics : {tracking::Options().harmonics, std::size_t{1024}}) {
       options.harmonics = harmonics;
       try {
         return tracking::track(plant, designs, options);

@@ -64,6 +64,8 @@ TEST(Headings, SayWhatAColumnIsAndInWhichUnit) {
            {"cang_rad(S(2,1))", phase, kDegrees},
            {"cang_deg(S(2,1))", phase, 1.0},
            {"P(V(out))", phase, 1.0},
+           {"P(I(R1)) (rad)", phase, kDegrees},
+           {"P(W)", signal, 1.0},
            {"TR2: Gain (Degree)", phase, 1.0},
            {"TR1: Gain (Real)", real, 1.0},
            {"TR1: Gain (Imag)", imaginary, 1.0},
@@ -122,7 +124,8 @@ TEST(Headings, AMagnitudeIsALevelAQuotientDecibelsOrARatio) {
     EXPECT_EQ(got.level, k.level) << k.text;
     EXPECT_EQ(got.quotient, k.quotient) << k.text;
   }
-  EXPECT_TRUE(parse_heading("log10(f)").logarithm || parse_heading("Frequency (Hz) log10").logarithm);
+  for (const char* text : {"Frequency Log(Hz)", "Log frequency (Hz)", "frequency log10 (Hz)"})
+    EXPECT_TRUE(parse_heading(text).logarithm) << text;
   EXPECT_FALSE(parse_heading("Frequency (Hz)").logarithm);
 }
 

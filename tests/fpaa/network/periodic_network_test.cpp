@@ -227,6 +227,31 @@ TEST(PeriodicNetworks, PartsOfASumAreSuperposed) {
   }
 }
 
+/// Two inputs that read the board are one of both capacitances, in the gain and in every line.
+TEST(PeriodicNetworks, InputsOfOneSourceAddUp) {
+  const NetworkSource pin{NetworkSource::Kind::board_input, 0};
+  StageSwitches sum = pole_zero_stage(31, 9, 77, 40);
+  sum.capacitors.push_back(switched_branch("Cin2", 12, PlateNode::input(2)));
+  sum.capacitors.push_back(static_branch("aCin2", 23, PlateNode::input(2)));
+  for (const bool behind_another : {false, true}) {
+    PeriodicNetworks two(kTicks), one(kTicks);
+    NetworkSource from = pin;
+    if (behind_another) {
+      from = {NetworkSource::Kind::network, two.add(clocked(low_pass_stage(50, 250, 9), 60), {pin})};
+      one.add(clocked(low_pass_stage(50, 250, 9), 60), {pin});
+    }
+    two.set_output(two.add(clocked(sum, 20), {from, from}));
+    one.set_output(one.add(clocked(pole_zero_stage(43, 32, 77, 40), 20), {from}));
+    for (const double hz : {100.0, 70e3, 3e6}) {
+      const RadPerSecond w = Hertz{hz}.rad_s();
+      EXPECT_LT(std::abs(two.gain(w) - one.gain(w)), 1e-12);
+      const RadPerSecond line[] = {{w.value + 2.0 * std::numbers::pi * kTicks / 20.0}};
+      EXPECT_LT(std::abs(two.components(w, line)[0] - one.components(w, line)[0]), 1e-12);
+      EXPECT_NEAR(two.nodes(w).back()[0].largest, one.nodes(w).back()[0].largest, 1e-12);
+    }
+  }
+}
+
 /// By Parseval the density over all frequencies is the mean square of the waveform, which the charges' own
 /// covariance gives without a frequency: x = M x + noise, half a period each phase.
 TEST(PeriodicNetworks, NoiseOverAllFrequenciesIsTheWaveformsMeanSquare) {

@@ -64,5 +64,45 @@ TEST(Score, ChargesIntoASecondOrderStageEndWhereItsLoopTakesThem) {
   }
 }
 
+TEST(Score, WhatDesignsAreComparedBy) {
+  DesignScore score{
+      .designed = 0.004, .p95 = 0.03, .noise = 0.01, .input = 0.5, .bound = 0.75, .image = 0.04};
+  EXPECT_NEAR(score.total(), 0.05 + 0.01, 1e-15);  // two thirds of the bound are the input
+  score.input = 0.25;
+  EXPECT_NEAR(score.total(), 0.06 + 0.005, 1e-15);
+  EXPECT_NEAR(score.wanted_input(3.0), 1.0 / 3.0, 1e-15);
+  EXPECT_NEAR(score.wanted_input(1.5), 0.5, 1e-15);
+  score.bound = 3.0;
+  EXPECT_NEAR(score.wanted_input(1.0), 2.0 / 3.0, 1e-15);
+  score = {.designed = 0.01, .p95 = 0.018, .noise = 0.024, .input = 0.25, .bound = 0.75, .image = 0.0};
+  EXPECT_NEAR(score.missing(3.0), 1.0 + 1.0 + 1.0 / 3.0, 1e-12);
+  score = {.designed = 0.005, .p95 = 0.009, .noise = 0.012, .input = 1.0 / 3.0, .bound = 0.75, .image = 0.0};
+  EXPECT_EQ(score.missing(3.0), 0.0);
+  score = {.designed = 0.01, .p95 = 0.03, .noise = 0.0, .input = 1.0, .bound = 1.0, .image = 0.0};
+  EXPECT_NEAR(score.rank(8, true), 0.04 * 1.08, 1e-7);
+  EXPECT_NEAR(score.rank(9, true), 0.04 * 1.19, 1e-7);  // another chip
+  EXPECT_NEAR(score.rank(17, false), 0.04 * 1.37 + 1e-3, 1e-7);
+  EXPECT_EQ(score.place(0.0, 8, true), std::pair(false, score.rank(8, true)));
+  EXPECT_TRUE(score.place(0.5, 8, true).first);
+  EXPECT_NEAR(score.place(0.5, 8, true).second, 1.5 * score.rank(8, true), 1e-6);
+}
+
+TEST(Score, MismatchAddsBySquaresFrequencyByFrequency) {
+  Design design;
+  design.stages.resize(2);
+  design.stages[0].c = {25.0, 100.0};
+  design.stages[1].c = {4.0};
+  const std::vector<Complex> a{{0.0, 3.0}, {1.0, 0.0}, 0.0}, b{{4.0, 0.0}, 0.0, 0.0},
+      c{0.0, {0.0, -1.0}, 0.0};
+  CapacitorEffects effects;
+  effects.list = {{0, 0, a}, {0, 1, b}, {1, 0, c}};
+  const std::vector<double> got =
+      errors_of_95_percent({{0.3, 0.4}, 0.0, -0.2}, effects, design, MismatchModel{1.0, 0.0});
+  ASSERT_EQ(got.size(), 3u);
+  EXPECT_NEAR(got[0], 0.5 + 1.959964 * std::hypot(3.0 * 0.002, 4.0 * 0.001), 1e-8);
+  EXPECT_NEAR(got[1], 1.959964 * std::hypot(0.002, 0.005), 1e-8);
+  EXPECT_NEAR(got[2], 0.2, 1e-15);
+}
+
 }  // namespace
 }  // namespace bodesmith::fpaa

@@ -9,7 +9,6 @@
 #include "base/error.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/seed_sections.hpp"
-#include "fpaa/trim/trim_search.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::fpaa {
@@ -235,15 +234,47 @@ TEST(Trim, RefusesAMeasurementOfAnotherBoard) {
   EXPECT_THROW(estimate_board(seed_plan(), measured, {}), DesignError);
 }
 
-TEST(TrimSearch, FindsWholeCapacitorsThatUndoAKnownError) {
-  // ln(a/b): 200/100 is off by the error that 203/100 has; slopes of a ratio.
-  TrimProblem problem;
-  problem.built = problem.units = {203, 100};
-  problem.excess = {0.0, 0.0};
-  problem.error = {std::log(203.0 / 200.0)};
-  problem.slope = {{1.0}, {-1.0}};
-  const std::vector<int> units = search_trim(problem);
-  EXPECT_NEAR(std::log(units[0] / 200.0) - std::log(units[1] / 100.0), 0.0, 1e-3);
+/// The estimate is where prior and measurement balance, x/sigma^2 = S' (y - S x)/s^2, and its root is one of (1/sigma^2 + S' S/s^2)^-1.
+TEST(Trim, TheEstimateBalancesPriorAndMeasurement) {
+  Random random(17);
+  const Plan& plan = seed_plan();
+  const MismatchModel mismatch{0.2, 0.0};
+  const DrawnBoard board(plan, log_grid(plan.error.band, 7));
+  for (const bool with_phase : {true, false}) {
+    MeasuredBoard measured =
+        measured_on(plan, board.drawn(mismatch, random), board.grid(), 1e-3, with_phase, random);
+    measured.deviation = 1e-3;
+    const BoardEstimate got = estimate_board(plan, measured, mismatch);
+    EXPECT_EQ(got.noise, 1e-3);
+    const std::vector<double>& nominal = board.nominal_units();
+    std::vector<double> units = nominal;
+    for (std::size_t c = 0; c < units.size(); ++c) units[c] *= std::exp(got.error[c]);
+    const std::vector<Complex> h = board.response(units);
+    const auto slopes = board.sensitivities(units);
+    for (std::size_t c = 0; c < units.size(); ++c) {
+      const double prior = std::pow(mismatch.relative_sigma(nominal[c]), -2.0);
+      double pull = 0.0;
+      for (std::size_t k = 0; k < h.size(); ++k) {
+        pull += slopes[c][k].real() * std::log(measured.gain[k] / std::abs(h[k])) * 1e6;
+        if (with_phase)
+          pull += slopes[c][k].imag() * std::arg(std::polar(1.0, measured.phase_rad[k]) / h[k]) * 1e6;
+      }
+      EXPECT_NEAR(got.error[c] * prior, pull, 1e-3 * std::sqrt(prior)) << board.names()[c];
+      for (std::size_t d = 0; d < units.size(); ++d) {
+        double unity = 0.0;  // row c of (1/sigma^2 + S' S/s^2) P, column d
+        for (std::size_t e = 0; e < units.size(); ++e) {
+          double covariance = 0.0;
+          for (std::size_t i = 0; i < got.root[e].size(); ++i) covariance += got.root[e][i] * got.root[d][i];
+          double precision = e == c ? prior : 0.0;
+          for (std::size_t k = 0; k < h.size(); ++k)
+            precision += 1e6 * (slopes[c][k].real() * slopes[e][k].real() +
+                                (with_phase ? slopes[c][k].imag() * slopes[e][k].imag() : 0.0));
+          unity += precision * covariance;
+        }
+        EXPECT_NEAR(unity, c == d ? 1.0 : 0.0, 1e-2) << c << " " << d;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -254,7 +254,7 @@ bool is_nothing(const FractionalLeadLag& term) {
   return std::abs(term.beta) < kWhole;
 }
 
-Outcome<TermApproximation> try_approximate_term(const FractionalLeadLag& term,
+Outcome<std::vector<Section>> try_term_sections(const FractionalLeadLag& term,
                                                 const ApproximationOptions& options, int order) {
   const Method& method = method_registry().get(options.method);
   if (order < 1 || order > kMaxOrder)
@@ -280,10 +280,7 @@ Outcome<TermApproximation> try_approximate_term(const FractionalLeadLag& term,
   const RadPerSecond pole = lag ? term.low_corner() : term.high_corner();
   const RadPerSecond centre{std::sqrt(term.first_corner().value) * std::sqrt(term.second_corner().value)};
 
-  TermApproximation out;
-  out.term = term;
-  out.order = order;
-  out.sections.assign(static_cast<std::size_t>(power.whole), Section::pole_zero(1.0, zero, pole));
+  std::vector<Section> out(static_cast<std::size_t>(power.whole), Section::pole_zero(1.0, zero, pole));
   if (power.rest > 0.0 || power.whole == 0) {
     auto made = method.approximate({.kappa = term.corner_ratio(),
                                     .beta = power.rest,
@@ -291,16 +288,23 @@ Outcome<TermApproximation> try_approximate_term(const FractionalLeadLag& term,
                                     .real_roots = options.real_roots,
                                     .over_band = options.over_band});
     if (auto* refusal = std::get_if<Refusal>(&made)) return std::move(*refusal);
-    append(out.sections, sections_of(std::get<NormalisedApproximation>(std::move(made)), centre, lag));
+    append(out, sections_of(std::get<NormalisedApproximation>(std::move(made)), centre, lag));
   }
-  if (size < order + 1) out.limit_law_db = minimax_limit_db(term.corner_ratio(), size, order);
-  out.error = term_error(out.sections, term);
   return out;
 }
 
-TermApproximation approximate_term(const FractionalLeadLag& term, const ApproximationOptions& options,
-                                   int order) {
-  return value_or_throw(try_approximate_term(term, options, order));
+Outcome<TermApproximation> try_approximate_term(const FractionalLeadLag& term,
+                                                const ApproximationOptions& options, int order) {
+  auto made = try_term_sections(term, options, order);
+  if (auto* refusal = std::get_if<Refusal>(&made)) return std::move(*refusal);
+  TermApproximation out;
+  out.term = term;
+  out.order = order;
+  out.sections = std::get<std::vector<Section>>(std::move(made));
+  const double size = std::abs(term.beta);
+  if (size < order + 1) out.limit_law_db = minimax_limit_db(term.corner_ratio(), size, order);
+  out.error = term_error(out.sections, term);
+  return out;
 }
 
 CascadeApproximation approximate_cascade(const Cascade& cascade, const ApproximationOptions& options) {

@@ -39,11 +39,11 @@ bool is_nothing(const FractionalLeadLag& term);
 
 /// Sections for one term, or why the method makes none of this order. Throws InputError for an unknown method, an order
 /// outside 1..40, a term with beta = 0.
+Outcome<std::vector<Section>> try_term_sections(const FractionalLeadLag& term,
+                                                const ApproximationOptions& options, int order);
+/// The same with its error.
 Outcome<TermApproximation> try_approximate_term(const FractionalLeadLag& term,
                                                 const ApproximationOptions& options, int order);
-/// The same where a refusal ends the work: throws DesignError with its reason.
-TermApproximation approximate_term(const FractionalLeadLag& term, const ApproximationOptions& options,
-                                   int order);
 
 struct CascadeApproximation {
   Sections sections;                     ///< with its `error` filled in

@@ -15,7 +15,7 @@ using Exact = boost::multiprecision::cpp_bin_float_100;
 TermApproximation make(const std::string& method, double kappa, double beta, int order) {
   ApproximationOptions options;
   options.method = method;
-  return approximate_term({1.0, 1.0 / kappa, beta}, options, order);
+  return value_or_throw(try_approximate_term({1.0, 1.0 / kappa, beta}, options, order));
 }
 
 double error_db(const std::string& method, double kappa, double beta, int order) {

@@ -16,8 +16,8 @@ constexpr double kMaxErrorDb = 2e-5;
 constexpr int kMaxPoles = 16;
 
 /// H(s) = ((lambda s + 1)/(x lambda s + 1))^beta, disturbance paper eq. 14. Simulated by the mid-band Pade
-/// approximation of the lowest order (at most 16 poles) that stays within 2e-5 dB; the error it really has,
-/// over all frequencies, is stated in the kernel.
+/// approximation of the lowest order (at most 16 poles) whose complex logarithm stays within that of 2e-5 dB; the error it
+/// really has, over all frequencies, is stated in the kernel.
 class FractionalLeadLagBlock final : public BlockType {
  public:
   FractionalLeadLagBlock()
@@ -53,6 +53,14 @@ class FractionalLeadLagBlock final : public BlockType {
   }
 
  private:
+  /// |ln H~ - ln H| over all frequencies. In z of pade_positions, |z| = m there, it is the odd series of 2 (beta - sum x_k^(2j+1))
+  /// z^(2j+1)/(2j+1), which begins where Pade's conditions end and from there on grows with j (|x_k| < 1): all of one sign, it
+  /// is largest at z = -m, at rest, where H = 1.
+  static double largest_log_error(const std::vector<Section>& sections) {
+    double dc_gain = 1.0;
+    for (const Section& section : sections) dc_gain *= section.dc_gain();
+    return std::abs(std::log(dc_gain));
+  }
   static LinearKernel kernel_of(const FractionalLeadLag& term) {
     const double kappa = term.corner_ratio();
     if (std::abs(term.beta) < 1e-12 || kappa == 1.0) return gain_kernel(1.0);
@@ -62,17 +70,13 @@ class FractionalLeadLagBlock final : public BlockType {
     // No approximation can do with fewer poles than the limit law says; from there on until the error itself
     // is met.
     int order = std::max(min_order, minimax_order(kappa, term.beta, kMaxErrorDb, kMaxPoles));
-    TermApproximation got = approximate_term(term, options, order);
-    while (std::hypot(got.error.everywhere_db, kDecibelPerNeper * to_radians(got.error.everywhere_deg)) >
-               kMaxErrorDb &&
-           order < kMaxPoles) {
-      got = approximate_term(term, options, ++order);
-    }
+    auto sections = value_or_throw(try_term_sections(term, options, order));
+    while (largest_log_error(sections) > kMaxErrorDb / kDecibelPerNeper && order < kMaxPoles)
+      sections = value_or_throw(try_term_sections(term, options, ++order));
     StateSpace system = gain_system(1.0);
-    for (const Section& section : got.sections) system = in_series(system, state_space(section));
+    for (const Section& section : sections) system = in_series(system, state_space(section));
     LinearKernel out{system};
-    out.approximation_error = std::hypot(std::expm1(got.error.everywhere_db / kDecibelPerNeper),
-                                         to_radians(got.error.everywhere_deg));
+    out.approximation_error = std::expm1(largest_log_error(sections));
     return out;
   }
   /// H(lambda s).

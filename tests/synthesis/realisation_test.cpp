@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
+#include <set>
+
 #include "base/error.hpp"
 #include "schematic/analysis/response.hpp"
 #include "synthesis/realise.hpp"
@@ -138,32 +142,94 @@ std::vector<Case> cases() {
   return out;
 }
 
-// Design equations, closed-form transfer and the circuit as drawn (nodal analysis with nullors) are three
-// statements of one form: they must agree.
-TEST(Forms, DesignTransferAndNetworkAgree) {
-  const auto grid = log_grid({Hertz{10}, Hertz{3000}}, 25);
-  for (const Case& one : cases()) {
-    const StageRealisation& form = stage_form(one.realisation);
-    ASSERT_FALSE(form.refusal(one.section)) << one.realisation;
-    Sections sections;
-    sections.sections = {one.section};
-    RealiseOptions options;
-    options.realisation = one.realisation;
-    options.resistors = options.capacitors = Series::named("exact");
-    const Realised exact = realise(sections, options);
-    std::vector<Complex> wanted;
-    for (const Hertz f : grid) wanted.push_back(sections.response(f.rad_s()));
-    EXPECT_LT(compare_responses(grid, exact.circuit.responses(grid), wanted).max_complex_percent, 1e-8)
-        << one.realisation << " gain " << one.section.gain;
-    EXPECT_LT(compare_responses(
-                  grid, schematic::network_response(exact.circuit, grid, {.ideal_opamps = true}), wanted)
-                  .max_complex_percent,
-              1e-8)
-        << one.realisation << " gain " << one.section.gain;
-    bool used = false;
-    for (const Stage& stage : exact.circuit.stages) used = used || stage.realisation == one.realisation;
-    EXPECT_TRUE(used);
+/// Every kind of section that a form may be asked for: those above, and gains, single poles, poles and zeros at 0.
+std::vector<Section> all_sections() {
+  std::vector<Section> out;
+  for (const Case& one : cases()) out.push_back(one.section);
+  for (const double gain : {0.3, 1.0, 4.0}) {
+    out.push_back(make(gain, {}, {}));
+    for (const double zero : {-50.0, -3000.0, 0.0, 400.0}) {
+      out.push_back(make(gain, {zero}, {-700.0}));
+      out.push_back(make(gain, {zero}, {0.0}));
+    }
+    out.push_back(make(700.0 * gain, {}, {-700.0}));
+    out.push_back(make(700.0 * gain, {}, {0.0}));
+    out.push_back(make(1e5 * gain, {}, {0.0, -300.0}));
+    out.push_back(make(1e3 * gain, {-20.0}, {0.0, -300.0}));
+    out.push_back(make(gain, {-20.0, -60.0}, {0.0, -300.0}));
   }
+  return out;
+}
+
+/// The stage's parts and op-amps with these values.
+schematic::Netlist drawn(const StageForm& form, const std::vector<double>& values) {
+  schematic::Netlist out;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const StagePart& one = form.parts()[i];
+    out.parts.push_back({one.kind, one.name, "", 0, one.from, one.to, "exact", values[i], values[i]});
+  }
+  for (const StageOpAmp& one : form.opamps())
+    out.opamps.push_back({one.name, "", 0, one.plus, one.minus, one.out});
+  return out;
+}
+
+// Design equations, closed-form transfer and the circuit as drawn (nodal analysis with nullors) are three
+// statements of one form: they must agree, whatever the capacitors and whatever the parts then are.
+TEST(Forms, DesignTransferAndNetworkAgree) {
+  const RadPerSecond grid[] = {{3.0}, {90.0}, {700.0}, {1100.0}, {20e3}};
+  std::set<std::string> made;
+  for (const Realisation* realisation : realisation_registry().all()) {
+    const StageRealisation* form = realisation->stage_realisation();
+    if (form == nullptr) continue;
+    for (const Section& section : all_sections()) {
+      // Two poles of which one is at 0 are two stages.
+      if (form->refusal(section) || (section.poles.size() > 1 && integrates(section))) continue;
+      int designed = 0;
+      for (const double isolation : {0.0, 40.0}) {
+        const std::unique_ptr<StageForm> stage = form->make(section, {isolation});
+        SCOPED_TRACE(std::string(form->name()) + " gain " + std::to_string(section.gain) + " isolation " +
+                     std::to_string(isolation));
+        EXPECT_EQ(
+            (stage->wanted().response(grid[1]) / section.response(Complex(0.0, grid[1].value))).real() < 0.0,
+            form->inverts());
+        for (const double level : {1.0, 0.6, 1.7}) {
+          std::vector<double> c;
+          for (const CapacitorChoice& choice : stage->capacitor_choices()) {
+            const double base = c.empty() ? level / (20e3 * choice.works_at.value)
+                                          : c.front() / stage->capacitor_choices()[0].ratio;
+            c.push_back(base * choice.ratio * (c.empty() ? 1.0 : std::pow(level, 0.1)));
+          }
+          const auto values = stage->design(c);
+          if (!values) continue;
+          ++designed;
+          ASSERT_EQ(values->size(), stage->parts().size());
+          EXPECT_EQ(stage->capacitors(*values), c);
+          // Poles and zeros are those wanted; the gain may follow the capacitors, but is one number.
+          const Complex gain = stage->aim(*values).response(grid[0]) / stage->wanted().response(grid[0]);
+          EXPECT_LT(std::abs(gain.imag()), 1e-9 * std::abs(gain));
+          std::vector<double> off = *values;
+          for (std::size_t k = 0; k < off.size(); ++k)
+            off[k] *= 1.0 + 0.2 * std::sin(3.0 * static_cast<double>(k) + level);
+          const schematic::Netlist netlist = drawn(*stage, off);
+          const schematic::Equations network(netlist, {.ideal_opamps = true});
+          const auto exact = stage->exact_near(*values);
+          for (const RadPerSecond w : grid) {
+            const Complex wanted = stage->wanted().response(w);
+            EXPECT_LT(std::abs(stage->aim(*values).response(w) / (gain * wanted) - 1.0), 1e-9);
+            EXPECT_LT(std::abs(stage->transfer(off).response(w) / network.response(w) - 1.0), 1e-9);
+            if (exact) {
+              EXPECT_LT(std::abs(stage->aim(*exact).response(w) / wanted - 1.0), 1e-9);
+            }
+          }
+          made.insert(std::string(form->name()) + (exact ? "" : " without exact values"));
+        }
+      }
+      EXPECT_GT(designed, 0) << form->name() << " gain " << section.gain << " zeros " << section.zeros.size();
+    }
+  }
+  for (const char* name : {"first-order", "first-order-trimmed", "first-order-right-zero", "sallen-key",
+                           "multiple-feedback", "khn", "tow-thomas", "inverter"})
+    EXPECT_TRUE(made.contains(name)) << name;
 }
 
 TEST(Forms, PreferredPartsStayClose) {

@@ -87,7 +87,8 @@ class FirstOrder final : public StageForm {
     const double c2 = realised.back();
     if (!has_zero_) return design(std::span(&c2, 1));
     const double sum = c2 * std::abs(wanted_.b1 / wanted_.a1);
-    if (!trimmed_) return design(std::vector{sum, c2});
+    // Above its zero R1 carries the signal as well as Rs and C1 do.
+    if (!trimmed_) return design(std::vector{sum / (1.0 + isolation_ * zero_ * sum), c2});
     const double c1 = capacitors(realised).front();
     if (!(sum > c1)) return std::nullopt;
     return design(std::vector{c1, sum - c1, c2});

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -300,6 +301,102 @@ INSTANTIATE_TEST_SUITE_P(
                 "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0, 0.4, 1.2]\nw = [1.0, 0.02, 0.03]\n",
                 0.5}),
     [](const auto& case_) { return std::string(case_.param.effect); });
+
+/// A term of an effect with these values, behind a gain of 2 in a record of 600 samples of 1 ms or in a response.
+struct Judged {
+  gap::Model model;
+  gap::Scene scene;
+  const gap::Effect& effect;
+  Judged(const std::string& name, bool in_response, const std::vector<double>& values,
+         const std::string& more = "")
+      : model(model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\n" + more)),
+        effect(gap::effect_registry().get(name)) {
+    gap::Experiments train;
+    if (in_response) {
+      train.emplace_back(
+          gap::FrequencyExperiment(made::measured([](double hz) { return 2.0 * made::lag(hz, 100.0); }, 8.0,
+                                                  512.0, 25, [](double) { return 0.01; }, 3)));
+    } else {
+      train.emplace_back(gap::TimeExperiment(
+          measured("[[block]]\ntype = \"gain\"\ngain = 2.1\n", drive(600), 1e-3, 0.01, 1)));
+    }
+    const auto before = gap::make_scene(model, train);
+    for (auto& one : proposals_of(effect, before)) {
+      if (one.model.terms().back().unknowns.size() != values.size()) continue;
+      model = one.model;
+      set_term(model, values);
+      scene = gap::make_scene(model, train);
+      scene.takes_most = false;
+      return;
+    }
+    ADD_FAILURE() << name << " has no proposal of " << values.size() << " unknowns";
+  }
+  bool no_name(bool takes_most = false) {
+    scene.takes_most = takes_most;
+    return effect.is_no_name(model, model.terms().back(), scene);
+  }
+  bool implausible() const { return effect.is_implausible(model, scene); }
+};
+
+// What is so short that the way between samples passes for it: .08 of a sample, .01 where it takes most of the gap; a response has no samples.
+TEST(Effects, WhatIsBetweenSamplesIsNoName) {
+  for (const auto& [name, of_time] :
+       {std::pair<const char*, double (*)(double)>{"time_delay", [](double t) { return t; }},
+        {"amplifier_pole", [](double t) { return 1.0 / (2.0 * std::numbers::pi * t); }}}) {
+    EXPECT_TRUE(Judged(name, false, {of_time(0.079e-3)}).no_name()) << name;
+    EXPECT_FALSE(Judged(name, false, {of_time(0.081e-3)}).no_name()) << name;
+    EXPECT_FALSE(Judged(name, false, {of_time(0.011e-3)}).no_name(true)) << name;
+    EXPECT_TRUE(Judged(name, false, {of_time(0.009e-3)}).no_name(true)) << name;
+    EXPECT_FALSE(Judged(name, true, {of_time(1e-6)}).no_name()) << name;
+  }
+  const std::string loop =
+      "[[block]]\ntype = \"polynomial_hysteresis\"\nascending = [-0.06, 0.03, 0.01]\ndescending = [0.06, -0.03, 0.008]\n";
+  EXPECT_TRUE(Judged("switch_delay", false, {0.079e-3}, loop).no_name());
+  EXPECT_FALSE(Judged("switch_delay", false, {0.081e-3}, loop).no_name());
+}
+
+// Creep lies below the driven band, rate dependence within it: by the middle of their time constants against that of the drive.
+TEST(Effects, RelaxationsAreNamedByWhereTheyLie) {
+  const gap::Scene scene = Judged("creep", false, {0.05, 0.1}).scene;
+  const auto seconds = [&](double corner_over_band) {
+    return 1.0 / (2.0 * std::numbers::pi * corner_over_band * std::sqrt(scene.low_hz * scene.band_hz));
+  };
+  EXPECT_TRUE(Judged("creep", false, {0.05, seconds(0.36)}).implausible());
+  EXPECT_FALSE(Judged("creep", false, {0.05, seconds(0.34)}).implausible());
+  EXPECT_FALSE(Judged("creep", false, {0.0, seconds(0.36)}).implausible());
+  EXPECT_FALSE(Judged("creep", true, {0.05, 1e-3}).implausible());
+  // The middle of lambda and x lambda, of a gain that falls.
+  const auto rate = [&](double corner_over_band, double beta) {
+    return Judged("rate_dependence", false, {seconds(corner_over_band) / std::sqrt(0.04), 0.04, beta})
+        .implausible();
+  };
+  EXPECT_TRUE(rate(0.19, -0.1));
+  EXPECT_FALSE(rate(0.21, -0.1));
+  EXPECT_FALSE(rate(0.19, 0.1));
+  // A bank whose fastest relaxation is as strong as it may be is a lag.
+  std::vector<double> gains(8, 0.02);
+  EXPECT_FALSE(Judged("creep", false, gains).no_name());
+  gains[0] = 1.0;
+  EXPECT_TRUE(Judged("creep", false, gains).no_name());
+  gains[0] = 0.02;
+  gains[7] = 1.0;
+  EXPECT_FALSE(Judged("creep", false, gains).no_name());
+  EXPECT_FALSE(Judged("creep", false, {1.0, 0.1}).no_name());
+}
+
+// Branches that differ by less than what a name must explain, of their common bend, are a curve.
+TEST(Effects, ALoopWithoutWidthIsNoName) {
+  const auto branches = [](double loop) {
+    // Both bend by .05 x^2; they part by loop x^2.
+    return Judged("asymmetric_hysteresis", false, {0.0, 0.05 + loop, 0.0, 0.0, 0.05 - loop, 0.0}).no_name();
+  };
+  const double least = gap::BoundOptions().explained;
+  EXPECT_TRUE(branches(0.05 * 0.98 * least));
+  EXPECT_FALSE(branches(0.05 * 1.02 * least));
+  EXPECT_FALSE(branches(-0.05 * 1.02 * least));
+  // A common slope is a gain and no bend: it hides no loop.
+  EXPECT_FALSE(Judged("asymmetric_hysteresis", false, {0.5, 0.001, 0.0, 0.5, -0.001, 0.0}).no_name());
+}
 
 }  // namespace
 }  // namespace effects_of

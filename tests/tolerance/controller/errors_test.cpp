@@ -2,13 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include "synthesis/controller/library.hpp"
 #include "synthesis/controller/seed_controller.hpp"
 #include "synthesis/generator/at_rest.hpp"
 #include "tolerance/controller/errors.hpp"
 #include "tolerance/controller/operating_point.hpp"
+#include "tolerance/controller/trim.hpp"
 
 namespace bodesmith::tolerance {
 namespace {
@@ -60,6 +64,87 @@ TEST(RestPoint, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
                                    static_cast<int>(draw % 2)));
   }
   EXPECT_LT(worst, 1e-12);
+}
+
+/// Every number of a copy, one behind the other.
+std::vector<double> numbers_of(const Copy& copy) {
+  std::vector<double> out = copy.off.part;
+  const auto add = [&](const std::vector<double>& more) { out.insert(out.end(), more.begin(), more.end()); };
+  add(copy.off.opamp_offset_v);
+  add(copy.off.source);
+  for (const schematic::MultiplierDeviation& m : copy.off.multiplier) add({m.x, m.y, m.w, m.scale, m.bend});
+  add({copy.off.switch_relative, copy.off.switch_charge_c, copy.off.switch_delay_s, copy.speed, copy.timing});
+  return out;
+}
+
+TEST(Causes, EachMovesItsOwnNumberAndNoOther) {
+  const generator::DisturbanceCircuit& c = generator::seed_controller();
+  const std::vector<Cause> causes = causes_of(c, {});
+  std::set<std::size_t> moved;
+  for (const Cause& cause : causes) {
+    Copy copy = copy_of(c, {}, {});
+    cause.apply(copy, 0.25);
+    const std::vector<double> once = numbers_of(copy);
+    cause.apply(copy, 0.25);
+    const std::vector<double> twice = numbers_of(copy);
+    int own = 0;
+    for (std::size_t i = 0; i < once.size(); ++i) {
+      if (once[i] == 0.0) continue;
+      ++own;
+      EXPECT_TRUE(moved.insert(i).second) << cause.name;
+      const bool delay = i == once.size() - 3;
+      EXPECT_NEAR(once[i], delay ? 0.25 * c.analog_switch.on_delay_s : 0.25, 1e-15) << cause.name;
+      EXPECT_NEAR(twice[i], 2.0 * once[i], 1e-15) << cause.name;
+    }
+    EXPECT_EQ(own, cause.name == "slope detector and switch, timing" ? 2 : 1) << cause.name;
+  }
+  // All but the diodes, which have no tolerance.
+  std::size_t diodes = 0;
+  for (const schematic::Part& one : c.parts) diodes += one.kind == schematic::Part::Kind::diode ? 1 : 0;
+  EXPECT_EQ(moved.size() + diodes, numbers_of(copy_of(c, {}, {})).size());
+}
+
+TEST(Causes, AFigureOfNothingTakesItsOwnAway) {
+  const generator::DisturbanceCircuit& c = generator::seed_controller();
+  const std::size_t all = causes_of(c, {}).size();
+  std::size_t taken = 0;
+  for (const PartErrors::Named& one : PartErrors::names()) {
+    PartErrors errors;
+    errors.*one.value *= 2.0;
+    int doubled = 0;
+    const std::vector<Cause> usual = causes_of(c, {}), more = causes_of(c, errors);
+    for (std::size_t i = 0; i < all; ++i) {
+      const double ratio = more[i].departure.scale / usual[i].departure.scale;
+      EXPECT_TRUE(std::abs(ratio - 1.0) < 1e-12 || std::abs(ratio - 2.0) < 1e-12);
+      doubled += ratio > 1.5 ? 1 : 0;
+    }
+    errors.*one.value = 0.0;
+    const std::size_t left = causes_of(c, errors).size();
+    EXPECT_EQ(all - left, static_cast<std::size_t>(doubled)) << one.name;
+    EXPECT_LT(left, all) << one.name;
+    taken += all - left;
+  }
+  EXPECT_EQ(taken, all);
+}
+
+TEST(Causes, TrimsMoveWhatTheyNameByTheirSetting) {
+  const generator::DisturbanceCircuit& c = generator::seed_controller();
+  for (const Trim& trim : trims_of(c)) {
+    Copy copy = copy_of(c, {}, {});
+    trim.apply(copy, 0.01);
+    double sum = 0.0, most = 0.0;
+    for (const double v : numbers_of(copy)) sum += v, most = std::max(most, std::abs(v));
+    EXPECT_EQ(sum, most) << trim.name;  // one number, upwards
+    if (trim.name == "output offset") {
+      // At the output: less at the op-amp's input by its noise gain.
+      EXPECT_GT(most, 0.0);
+      EXPECT_LT(most, 0.01);
+    } else {
+      EXPECT_EQ(most, 0.01) << trim.name;
+    }
+    EXPECT_NEAR(trim.unit_setting, 2.0 * trim.limit / 1000.0, 1e-15) << trim.name;
+    EXPECT_EQ(trim.limit, trim.unit == "V" ? 0.03 : trim.name == "reference gain" ? 0.01 : 0.05) << trim.name;
+  }
 }
 
 }  // namespace

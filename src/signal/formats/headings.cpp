@@ -45,16 +45,10 @@ std::size_t opening_of(std::string_view text, std::size_t close) {
   return std::string_view::npos;
 }
 
-/// PSpice writes P(V(out)); P(W) is a power.
-bool is_phase_of(std::string_view name) {
-  return name.starts_with("p(v(") || name.starts_with("p(i(");
-}
-
 /// V(out), dB(S(2,1)), Re(Z): what stands in the brackets is what was measured. Mag(dB) has a unit there.
 bool is_name_with_brackets(std::string_view before, const std::string& inside) {
   const std::string name = lower_case(before);
-  return name == "v" || name == "i" || is_phase_of(name + "(" + lower_case(inside)) ||
-         (is_function_of(name) && !is_unit_alone(inside));
+  return name == "v" || name == "i" || ((name == "p" || is_function_of(name)) && !is_unit_alone(inside));
 }
 
 /// The last text in brackets; what stands before them into `rest`.
@@ -341,7 +335,8 @@ Heading parse_heading(const std::string& text) {
     return heading;
   }
   name = unsigned_name;
-  if (is_phase_of(name)) name = "phase" + name.substr(1);
+  // PSpice writes P(V(out)); P(W) is a power.
+  if (name.starts_with("p(v(") || name.starts_with("p(i(")) name = "phase" + name.substr(1);
   const std::string function = name.substr(0, name.find_first_of("(:"));
   heading.scale = sign;
   if (function.size() < name.size() && is_function_of(function)) {

@@ -160,7 +160,6 @@ class TouchstoneReader {
       fail("has mixed-mode parameters, expected single-ended ones");
     } else if (key == "REFERENCE") {
       in_reference_ = true;
-      reference_left_ = network_.ports;
       for (const std::string_view word : split_words(value)) take_reference(word);
     } else if (key == "BEGIN INFORMATION") {
       in_information_ = true;
@@ -168,7 +167,6 @@ class TouchstoneReader {
       in_information_ = false;
     } else if (key == "NETWORK DATA") {
       in_reference_ = false;
-      in_data_ = true;
     } else if (key == "NOISE DATA") {
       network_.noise_left_out = true;
       done_ = true;
@@ -181,11 +179,10 @@ class TouchstoneReader {
   void take_reference(std::string_view word) {
     double ohm = 0.0;
     if (!parse_number(word, ohm)) fail(fmt::format("'{}' is not a reference resistance", word.substr(0, 40)));
-    if (reference_left_ > 0) --reference_left_;
   }
 
   void data(std::string_view line) {
-    if (in_reference_ && !in_data_) {
+    if (in_reference_) {
       for (const std::string_view word : split_words(line)) take_reference(word);
       return;
     }
@@ -267,12 +264,10 @@ class TouchstoneReader {
   Network network_;
   int line_ = 0;
   std::size_t open_ = 0;  ///< numbers that the current point still lacks
-  std::size_t reference_left_ = 0;
   std::vector<double> row_;
   bool seen_options_ = false;
   bool in_information_ = false;
   bool in_reference_ = false;
-  bool in_data_ = false;
   bool ended_ = false;
   bool done_ = false;
 };

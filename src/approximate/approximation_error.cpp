@@ -101,36 +101,25 @@ ApproximationError approximation_error(const Sections& sections, const Cascade& 
   const double above = out.band.to.value * 100.0;
   const int count = whole_number(120.0 * std::log10(above / below), 200, 4000);
   const auto grid = log_grid({Hertz{below}, Hertz{above}}, count);
+  const auto level = [&](Hertz f) { return std::abs(error_at(sections, cascade, f.rad_s()).db); };
+  const auto angle = [&](Hertz f) { return std::abs(error_at(sections, cascade, f.rad_s()).deg); };
   const auto visit_db = [&](double db, Hertz f) {
     if (db <= out.everywhere_db) return;
     out.everywhere_db = db;
     out.worst = f;
   };
-  const auto visit = [&](Hertz f) {
-    const ErrorAt error = error_at(sections, cascade, f.rad_s());
-    const double db = std::abs(error.db);
-    const double deg = std::abs(error.deg);
-    visit_db(db, f);
-    out.everywhere_deg = std::max(out.everywhere_deg, deg);
-    if (f >= out.band.from && f <= out.band.to) {
-      out.band_db = std::max(out.band_db, db);
-      out.band_deg = std::max(out.band_deg, deg);
-    }
-  };
-  for (const Hertz f : grid) visit(f);
-  visit(out.band.from);
-  visit(out.band.to);
+  for (const Hertz f : grid) visit_db(level(f), f);
+  visit_db(level(out.band.from), out.band.from);
+  visit_db(level(out.band.to), out.band.to);
   // What lies between the points, in the band and everywhere.
   std::vector<Hertz> inside{out.band.from};
   for (const Hertz f : grid)
     if (f > out.band.from && f < out.band.to) inside.push_back(f);
   inside.push_back(out.band.to);
-  const auto level = [&](Hertz f) { return std::abs(error_at(sections, cascade, f.rad_s()).db); };
-  const auto angle = [&](Hertz f) { return std::abs(error_at(sections, cascade, f.rad_s()).deg); };
-  out.band_db = std::max(out.band_db, refined_maximum(inside, level));
-  out.band_deg = std::max(out.band_deg, refined_maximum(inside, angle));
+  out.band_db = refined_maximum(inside, level);
+  out.band_deg = refined_maximum(inside, angle);
   out.everywhere_db = std::max(out.everywhere_db, refined_maximum(grid, level));
-  out.everywhere_deg = std::max(out.everywhere_deg, refined_maximum(grid, angle));
+  out.everywhere_deg = std::max(out.band_deg, refined_maximum(grid, angle));
   visit_db(std::abs(error_db_at_zero(sections, cascade)), grid.front());
   visit_db(std::abs(error_db_at_infinity(sections, cascade)), grid.back());
   return out;

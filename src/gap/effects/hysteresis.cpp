@@ -1,5 +1,9 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
@@ -27,6 +31,7 @@ class Hysteresis final : public Effect {
       const double half = 0.5 * scene.boundary[at].span();
       if (!(half > 0.0)) continue;
       out.push_back(plays(scene, at, half));
+      if (!is_one_loop(scene, at)) out.push_back(two_plays(scene, at, half));
       out.push_back(bouc_wen(scene, at, half, false));
       if (scene.residual.size() <= kMaxSamplesWithSharpness) out.push_back(bouc_wen(scene, at, half, true));
     }
@@ -41,6 +46,28 @@ class Hysteresis final : public Effect {
     auto block = chain::make_block("prandtl_ishlinskii");
     block.set("r", bank.radius).set("w", bank.weight);
     return insert_block(scene, *this, at, block, bank.unknowns, {bank.start});
+  }
+
+  /// Two plays of free radii: of few plays a bank's fixed radii miss the corners.
+  Proposal two_plays(const Scene& scene, std::size_t at, double half) const {
+    auto block = chain::make_block("prandtl_ishlinskii");
+    block.set("r", std::vector{0.0, 0.1 * half, 0.3 * half}).set("w", std::vector{1.0, 0.1, 0.1});
+    std::vector<Unknown> unknowns;
+    for (const char* k : {"[1]", "[2]"}) {
+      unknowns.push_back(logarithmic_unknown("r" + std::string(k), 0.01 * half, half));
+      unknowns.push_back(linear_unknown("w" + std::string(k), 0.0, 5.0, 0.05));
+    }
+    Starts starts;
+    for (const auto& [narrow, wide] : {std::pair(0.02, 0.06), std::pair(0.06, 0.2), std::pair(0.2, 0.6)})
+      starts.push_back({narrow * half, 0.1, wide * half, 0.1});
+    return insert_block(scene, *this, at, block, unknowns, starts,
+                        [](chain::Block& b, std::span<const double> v) {
+                          // Their order may be lost on the way of a fit.
+                          const std::size_t narrow = v[0] < v[2] ? 0 : 2;
+                          const std::size_t wide = 2 - narrow;
+                          b.set("r", std::vector{0.0, v[narrow], std::max(v[wide], 1.001 * v[narrow])})
+                              .set("w", std::vector{1.0, v[narrow + 1], v[wide + 1]});
+                        });
   }
 
   /// y = u - z with gamma as a share of beta, and beta for a signal of half range 1 (whatever its unit): a

@@ -26,7 +26,7 @@ struct EffectFacts {
   bool starts_from_residual = false;
   /// A circuit whose capacitors and op-amps are known has no dynamics but theirs: next to them this is implausible.
   bool of_no_circuit = false;
-  int places_a_round = 2;  ///< and forms, that are fitted at the most
+  int places_a_round = 3;  ///< and forms, that are fitted at the most
 
   bool may_repeat(bool in_response) const { return repeatable || (in_response && repeatable_in_response); }
 };

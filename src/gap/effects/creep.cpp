@@ -27,9 +27,9 @@ double middle_of_relaxations(const Term& term, const Model& model) {
   return weights > 0.0 ? std::exp(sum / weights) : 0.0;
 }
 
-/// Relaxations of one decade of a logarithmic creep, and their longest time constant beyond 1/low_hz: slower ones are a
-/// gain in front of the record.
+/// Relaxations of one decade of a logarithmic creep.
 constexpr int kOfDecade = 3;
+/// The longest time constant, of .7 of the record or 1/low_hz: slower ones are an integral.
 constexpr double kSlowest = 3.0;
 /// The shortest one, of 1/top_hz: faster ones change nothing in the record.
 constexpr double kFastest = 0.03;
@@ -56,8 +56,7 @@ class Creep final : public Effect {
       : Effect({.name = "creep",
                 .what = "slow relaxation, logarithmic or of several time constants",
                 .experiment = "a long record after one step",
-                .linear = true,
-                .places_a_round = 3}) {}
+                .linear = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double slow = scene.frequency_only ? 1.0 / scene.low_hz : 0.7 * scene.duration_s;
     const double fast = 0.08 / scene.band_hz;
@@ -70,7 +69,7 @@ class Creep final : public Effect {
       for (double part : {0.15, 0.4, 0.7, 0.95}) starts.push_back({0.01, fast * std::pow(slow / fast, part)});
       out.push_back(insert_block(scene, *this, at, one,
                                  {linear_unknown("gains[0]", 0.0, 1.0, 0.05),
-                                  logarithmic_unknown("time_constants_s[0]", fast, 3.0 * slow)},
+                                  logarithmic_unknown("time_constants_s[0]", fast, kSlowest * slow)},
                                  starts));
       const double fastest = scene.frequency_only ? kFastest / scene.top_hz : fast;
       if (scene.frequency_only) propose_logarithmic(scene, at, fastest, slow, false, out);

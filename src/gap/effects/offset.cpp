@@ -11,8 +11,7 @@ class Offset final : public Effect {
                 .what = "a constant is added",
                 .experiment =
                     "the same drive at two amplitudes: an offset stays, a curvature grows with the square",
-                .adds_one_signal = true,
-                .places_a_round = 3}) {}
+                .adds_one_signal = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : places(scene)) {
       const double size = scene.boundary[at].size();

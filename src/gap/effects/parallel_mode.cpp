@@ -78,8 +78,7 @@ class ParallelMode final : public Effect {
                  "a sweep through the suspected frequency and the zero next to it, and the same with the sensor elsewhere",
              .linear = true,
              .repeatable = true,
-             .of_no_circuit = true,
-             .places_a_round = 3}) {}
+             .of_no_circuit = true}) {}
   bool is_no_name(const Model& model, const Term& last, const Scene& scene) const override {
     const double hz = last.unknowns[0].value;
     if (hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz)) return true;

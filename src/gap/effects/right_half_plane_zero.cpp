@@ -20,8 +20,7 @@ class RightHalfPlaneZero final : public Effect {
                 .what = "a zero in the right half-plane: a step begins the wrong way",
                 .experiment =
                     "a sweep to higher frequencies: the phase of a zero comes to an end, a delay's does not",
-                .linear = true,
-                .places_a_round = 3}) {}
+                .linear = true}) {}
   /// Far above the band it is a delay, and a small part of many other shapes.
   bool is_implausible(const Model& /*model*/, const Scene& /*scene*/) const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

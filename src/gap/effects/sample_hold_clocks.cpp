@@ -106,10 +106,10 @@ Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
   double spacing = 1.0 / (kClocksPerCycle * static_cast<double>(length) * h);
   std::vector<ScoredClock> scored;
   for (double f = low_hz; f < high_hz; f += spacing) scored.emplace_back(likeness(f, length), f);
-  while (!scene.is_late()) {
+  for (bool finely = false; !scene.is_late(); finely = true) {
     std::sort(scored.rbegin(), scored.rend());
     keep_best(scored, kOnePeak / (static_cast<double>(length) * h));
-    if (length == last) return starts_of(scored);
+    if (finely && length == last) return starts_of(scored);
     length = std::min(last, 2 * length);
     std::vector<ScoredClock> finer;
     for (const auto& [size, f] : scored) {

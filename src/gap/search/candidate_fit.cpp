@@ -23,10 +23,11 @@ struct Hops {
 };
 constexpr std::array kHops = {Hops{1.0, 20}, Hops{0.2, 5}, Hops{0.04, 6}};
 
-/// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
+/// Starts of a proposal that are tried, those that promise most and the one that leaves least: many of them lie close to each other, and
+/// many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
   const bool many = p.proposal.model.terms().back().unknowns.size() >= options.many_unknowns;
-  return std::min<std::size_t>(p.best_starts.size(), many ? 1 : p.proposal.starts.size() > 4 ? 3 : 2);
+  return std::min<std::size_t>(p.best_starts.size(), many ? 1 : p.proposal.starts.size() > 4 ? 4 : 3);
 }
 
 /// The proposal's model with its term at one of its starts, and other unknowns as given.

@@ -26,14 +26,13 @@ struct PresentModel {
   std::vector<double> residuals;  ///< model - measured
   Directions known;               ///< what its own unknowns can change
   Vector unexplained;             ///< the residuals without that
-  double energy = 0.0;            ///< of the residuals
   double unexplained_energy = 0.0;
 };
 
 struct StartScore {
   std::size_t start = 0;
   double score = 0.0;
-  double left = 0.0;  ///< of the energy, at the start itself
+  double left = 0.0;  ///< energy, at the start itself
 };
 
 double moved_value(const Unknown& u, double value) {
@@ -67,18 +66,20 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
     for (std::size_t d = present.known.all().size(); d < more.all().size(); ++d)
       along += std::pow(as_eigen(more.all()[d]).dot(present.unexplained), 2);
     const double score = present.unexplained_energy > 0.0 ? along / present.unexplained_energy : 0.0;
-    scores.push_back({s, score, present.energy > 0.0 ? here.squaredNorm() / present.energy : 0.0});
+    // As its unknowns stand, those of the model refitted by linearisation.
+    auto left = out;
+    present.known.take_out(left);
+    scores.push_back({s, score, as_eigen(left).squaredNorm()});
   }
   std::stable_sort(scores.begin(), scores.end(),
                    [](const StartScore& a, const StartScore& b) { return a.score > b.score; });
-  // What moves edges across samples has no direction in which a fit could slide: where it leaves least is where it is.
-  const bool edges =
-      std::any_of(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return u.hop > 0.0; });
-  if (edges && !scores.empty()) {
+  // The second fit begins where least is left: it cannot lose its way, and what moves edges across samples has no direction in which it
+  // could slide.
+  if (scores.size() > 1) {
     const auto least =
-        std::min_element(scores.begin(), scores.end(),
+        std::min_element(scores.begin() + 1, scores.end(),
                          [](const StartScore& a, const StartScore& b) { return a.left < b.left; });
-    std::rotate(scores.begin(), least, least + 1);
+    std::rotate(scores.begin() + 1, least, least + 1);
   }
   return scores;
 }
@@ -92,7 +93,6 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   if (out.empty()) return all;
   PresentModel present;
   present.residuals = out;
-  present.energy = as_eigen(out).squaredNorm();
   for (const auto& column : sensitivities(model, look)) {
     if (column.size() > 0) present.known.add(to_vector(column));
   }

@@ -1,13 +1,17 @@
-// A fit that got stuck at one place of a linear effect begins again with the values found at another.
+// A fit that got stuck at one place of a linear effect begins again with the values found at another; one begins where least is left; edges
+// that stand on samples do not keep other unknowns from moving.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <set>
+#include <string>
 
 #include "gap/diagnosis.hpp"
 #include "gap/made_model.hpp"
+#include "gap/made_record.hpp"
 
 namespace {
 
@@ -78,5 +82,56 @@ TEST(SharedValues, FindTheSharpModeBehindTheLoops) {
   EXPECT_EQ(d.steps[0].placed, "after block 3");
   EXPECT_LT(d.final.train_rms, 0.11);
 }
+
+struct Hidden {
+  const char* name;
+  const char* base;
+  const char* truth;
+  double noise;
+  std::set<std::string> names;
+};
+
+class OftenStuck : public testing::TestWithParam<Hidden> {};
+TEST_P(OftenStuck, IsNamedAndNothingElse) {
+  const auto& hidden = GetParam();
+  const auto base = model_of(hidden.base);
+  const auto record = [&](double size, double hz, unsigned seed) {
+    return measured(hidden.truth, two_sines(700, size, hz), 1e-3, hidden.noise, seed);
+  };
+  const auto d = gap::diagnose(
+      base, gap::Study::of({record(1.0, 11.0, 1), record(0.7, 5.3, 2)}, {record(0.9, 8.1, 3)}, base), {});
+  std::set<std::string> names;
+  for (const auto& step : d.steps) names.insert(step.effect);
+  EXPECT_EQ(names, hidden.names);
+  EXPECT_LT(d.final.holdout_rms, 1.2 * hidden.noise);
+}
+const char* const kFreeGain = "[[block]]\ntype = \"gain\"\ngain = 1.6\nfree = [\"gain\"]\n";
+const char* const kFreeGainAndPole =
+    "[[block]]\ntype = \"gain\"\ngain = 1.6\nfree = [\"gain\"]\n"
+    "[[block]]\ntype = \"lowpass\"\ncorner_hz = 40.0\nfree = [\"corner_hz\"]\n";
+INSTANTIATE_TEST_SUITE_P(
+    Records, OftenStuck,
+    testing::Values(
+        // Every edge of the clock stands on a sample.
+        Hidden{"curve_behind_a_hold",
+               kFreeGain,
+               "[[block]]\ntype = \"sample_hold\"\nclock_hz = 111.11111111111111\n"
+               "[[block]]\ntype = \"polynomial\"\ncoefficients = [0.0, 1.5, 0.2]\n",
+               0.02,
+               {"sample_hold", "quadratic_nonlinearity"}},
+        Hidden{
+            "clock_faster_than_a_short_record",
+            kFreeGainAndPole,
+            "[[block]]\ntype = \"sample_hold\"\nclock_hz = 1086.0\n[[block]]\ntype = \"gain\"\ngain = 1.5\n"
+            "[[block]]\ntype = \"lowpass\"\ncorner_hz = 41.0\n",
+            1e-4,
+            {"sample_hold"}},
+        // Neither radius is one of the bank's.
+        Hidden{"two_plays",
+               kFreeGain,
+               "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0, 0.033, 0.071]\nw = [1.5, 0.4, 0.5]\n",
+               0.001,
+               {"hysteresis"}}),
+    [](const auto& hidden) { return hidden.param.name; });
 
 }  // namespace

@@ -6,6 +6,13 @@
 
 namespace bodesmith::schematic {
 
+Netlist::Netlist() = default;
+Netlist::Netlist(const Netlist&) = default;
+Netlist::Netlist(Netlist&&) noexcept = default;
+Netlist& Netlist::operator=(const Netlist&) = default;
+Netlist& Netlist::operator=(Netlist&&) noexcept = default;
+Netlist::~Netlist() = default;
+
 Complex OpAmpModel::open_loop(RadPerSecond w) const {
   return dc_gain / Complex(1.0, w.value * dc_gain / gain_bandwidth.rad_s().value);
 }

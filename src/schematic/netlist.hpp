@@ -219,6 +219,14 @@ struct DiodeModel {
 };
 
 struct Netlist {
+  // Made once, in the library: copies of twelve lists in each of the thirty files that hold a netlist take longest of these to compile.
+  Netlist();
+  Netlist(const Netlist&);
+  Netlist(Netlist&&) noexcept;
+  Netlist& operator=(const Netlist&);
+  Netlist& operator=(Netlist&&) noexcept;
+  ~Netlist();
+
   std::vector<Group> groups;
   std::vector<Part> parts;
   std::vector<OpAmp> opamps;

@@ -14,13 +14,7 @@ class GainError final : public Effect {
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     // A gain that may be fitted is no error.
     if (is_refitted(*scene.model, "gain")) return;
-    auto places = scene.linear_places();
-    // Before a gain that adds a constant it is another thing than behind it.
-    for (std::size_t at = 0; at < scene.model->size(); ++at) {
-      const auto line = scene.model->at(at).affine();
-      if (line && line->constant != 0.0) places.push_back(at);
-    }
-    for (std::size_t at : places) {
+    for (std::size_t at : scene.linear_places()) {
       out.push_back(insert_block(scene, *this, at, chain::make_block("gain").set("gain", 1.0),
                                  {linear_unknown("gain", 0.2, 5.0, 0.1)}, {{1.02}}));
     }

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "base/text.hpp"
@@ -28,6 +29,9 @@ namespace {
 /// Moves in a row that put one name in another's place, or take one out.
 constexpr int kMaxTurns = 4;
 
+/// A set of the same names that has less evidence more than this than before is not gone on from again.
+constexpr double kAnew = 1.0;
+
 std::string names_in_words(const Model& model) {
   const auto names = names_of(model);
   return join({names.begin(), names.end()}, " and ");
@@ -41,6 +45,25 @@ void weigh(const SearchRecords& records, PlacedSet& set) {
   set.log_evidence = log_evidence(set.model, records.train);
   set.train_rms = rms_of(set.model, records.train);
 }
+
+/// What a search has gone on from: sets of names, the evidence they had, and the samples it is of.
+class GoneOnFrom {
+ public:
+  enum class Move { one_more, another };
+  /// Whether that move was made before from a set as good; from now on it was.
+  bool again(Move move, const PlacedSet& set, const SearchRecords& records) {
+    const auto samples = residuals_of(set.model, records.train).size();
+    const auto [found, is_new] =
+        evidence_.emplace(std::tuple(move, names_of(set.model), samples), set.log_evidence);
+    if (is_new) return false;
+    if (set.log_evidence < found->second + kAnew) return true;
+    found->second = set.log_evidence;
+    return false;
+  }
+
+ private:
+  std::map<std::tuple<Move, std::multiset<std::string>, std::size_t>, double> evidence_;
+};
 
 /// The set without one of its terms, the others as they stand.
 PlacedSet without(PlacedSet set, std::size_t term) {
@@ -165,11 +188,15 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
 }
 
 /// Names taken out and exchanged as long as that raises the evidence.
-PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
+PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, PlacedSet set,
+                   GoneOnFrom& gone_on_from) {
   std::set<std::multiset<std::string>> tried;
+  std::multiset<std::string> names;
   const std::size_t count = count_of(set);
   set = dropped(setting, records, std::move(set));
   for (int turn = 0; turn < kMaxTurns && count_of(set) > 1; ++turn) {
+    const bool others = names_of(set.model) != std::exchange(names, names_of(set.model));
+    if (others && gone_on_from.again(GoneOnFrom::Move::another, set, records)) break;
     const bool fresh = turn == 0 && count_of(set) == count && set.rivals.back().ranking.size() > 1;
     auto other = exchanged(setting, records, set, fresh, tried);
     if (!other) break;
@@ -208,7 +235,7 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
 }
 
 /// One name more after the other, as long as the evidence grows.
-void grow(const SearchSetting& setting, Beam& beam, bool report) {
+void grow(const SearchSetting& setting, Beam& beam, bool report, GoneOnFrom& gone_on_from) {
   const auto& options = setting.options;
   while (static_cast<int>(count_of(beam.best)) < options.max_terms && !options.is_late()) {
     const auto terms = count_of(beam.best);
@@ -221,10 +248,11 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
         weigh(beam.records, beam.best);
       }
     }
+    if (gone_on_from.again(GoneOnFrom::Move::one_more, beam.best, beam.records)) return;
     auto more = grown(setting, beam, beam.best);
     if (!more) return;
     auto next = settled(setting, beam, std::move(*more));
-    next = improved(setting, beam.records, std::move(next));
+    next = improved(setting, beam.records, std::move(next), gone_on_from);
     if (!(next.log_evidence > beam.best.log_evidence)) {
       beam.refused = next.rivals.empty() ? std::vector<Ranked>{} : next.rivals.back().ranking;
       return;
@@ -252,7 +280,7 @@ void without_the_engines_own(const SearchSetting& setting, const PlacedSet& base
 }
 
 /// Two names at once, where one after the other came to no end, or one of many unknowns may stand for two others.
-void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
+void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam, GoneOnFrom& gone_on_from) {
   const auto& options = setting.options;
   std::set<std::multiset<std::string>> came_to = {names_of(beam.best.model)};
   for (auto& pair : best_pairs(setting, base.records, base.first)) {
@@ -269,10 +297,10 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
     // The best pair may hold one name too many or another's; of the others those that are better than what stands.
     const bool better = log_evidence(set.model, beam.records.train) > beam.best.log_evidence;
     if (!better && came_to.size() > 1) continue;
-    set = improved(setting, other.records, std::move(set));
+    set = improved(setting, other.records, std::move(set), gone_on_from);
     if (!came_to.insert(names_of(set.model)).second) continue;
     other.best = std::move(set);
-    grow(setting, other, false);
+    grow(setting, other, false, gone_on_from);
     // By the records of the one that stands.
     const double evidence = log_evidence(other.best.model, beam.records.train);
     if (!(evidence > beam.best.log_evidence)) continue;
@@ -298,7 +326,8 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   const auto& options = setting.options;
   const PlacedSet base_set = beam.best;
   SearchRecords base_records = beam.records;
-  grow(setting, beam, true);
+  GoneOnFrom gone_on_from;
+  grow(setting, beam, true, gone_on_from);
   if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
   if (are_responses(beam.records.train) || options.max_terms < 2 || options.is_late()) return;
   const bool left = is_something_left(options, beam.best.model, beam.records);
@@ -308,7 +337,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   base.records.set_holds(holds_of(beam.records.train));
   base.best = base_set;
   base.first = beam.first;
-  try_pairs(setting, base, beam);
+  try_pairs(setting, base, beam, gone_on_from);
 }
 
 }  // namespace bodesmith::gap

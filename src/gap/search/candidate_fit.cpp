@@ -21,7 +21,7 @@ struct Hops {
   double length;
   int count;
 };
-constexpr std::array kHops = {Hops{1.0, 20}, Hops{0.2, 5}, Hops{0.04, 6}};
+constexpr std::array kHops = {Hops{1.0, 20}, Hops{0.04, 25}};
 
 /// Starts of a proposal that are tried, those that promise most and the one that leaves least: many of them lie close to each other, and
 /// many unknowns are expensive.

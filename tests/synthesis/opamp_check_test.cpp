@@ -106,6 +106,27 @@ TEST(OpAmpCheck, PhaseMarginIsThatOfTheLoopByHand) {
   }
 }
 
+// Of stages of Q = 4 at 10 kHz and Q = 10 at 1 kHz the first asks more: 100 Q f; of real poles none.
+TEST(OpAmpCheck, TheHardestResonanceIsThatOfTheLargestQTimesFrequency) {
+  const auto stage = [](double q, double hz) {
+    const double w = 2.0 * std::numbers::pi * hz;
+    Stage out;
+    out.realised = {{.b0 = w * w, .a0 = w * w, .a1 = w / q, .a2 = 1.0}};
+    return out;
+  };
+  Circuit circuit = loaded(0.0);
+  circuit.stages = {stage(10.0, 1e3), stage(4.0, 10e3), stage(0.5, 1e6)};
+  circuit.opamp.gain_bandwidth = Hertz{3.9e6};
+  OpAmpCheck check = check_opamps(circuit, {Hertz{10}, Hertz{100}});
+  EXPECT_NEAR(check.highest_q, 10.0, 1e-9);
+  const auto said = [&] { return check.warnings.empty() ? std::string() : check.warnings.back(); };
+  EXPECT_NE(said().find("Q = 4 at 10 kHz requires a gain-bandwidth of 4 MHz or more"), std::string::npos)
+      << said();
+  circuit.opamp.gain_bandwidth = Hertz{4.1e6};
+  check = check_opamps(circuit, {Hertz{10}, Hertz{100}});
+  EXPECT_EQ(said().find("requires a gain-bandwidth"), std::string::npos) << said();
+}
+
 TEST(OpAmpCheck, EachFigureWarnsFromItsLimitOn) {
   const Realised made = realise(seed_sections());
   const Band band = made.report.band;

@@ -204,6 +204,12 @@ TEST(Forms, DesignTransferAndNetworkAgree) {
           ++designed;
           ASSERT_EQ(values->size(), stage->parts().size());
           EXPECT_EQ(stage->capacitors(*values), c);
+          // Capacitors that work against 20 kohm leave every resistor between 150 ohm and 10 Mohm.
+          for (std::size_t k = 0; k < values->size(); ++k) {
+            if (stage->parts()[k].kind != Part::Kind::resistor || stage->parts()[k].fixed) continue;
+            EXPECT_GT((*values)[k], 150.0) << stage->parts()[k].name;
+            EXPECT_LT((*values)[k], 1e7) << stage->parts()[k].name;
+          }
           // Poles and zeros are those wanted; the gain may follow the capacitors, but is one number.
           const Complex gain = stage->aim(*values).response(grid[0]) / stage->wanted().response(grid[0]);
           EXPECT_LT(std::abs(gain.imag()), 1e-9 * std::abs(gain));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <vector>
 
@@ -39,6 +40,32 @@ TEST(ControllerAtRest, MakesAtHalfAStrokeWhatCvodeMakesOfTheCircuit) {
   }
   EXPECT_LT(worst, 1e-3);
   EXPECT_GT(*std::ranges::max_element(at_rest) - *std::ranges::min_element(at_rest), 0.45);
+}
+
+// With amplitude gains its divider and held stroke make v = r - d(v) of the polynomials at that stroke; the parts are of a series.
+TEST(ControllerAtRest, AmplitudeGainsMakeThePolynomialsOfTheStroke) {
+  Provenance from;
+  const std::filesystem::path root = BODESMITH_SOURCE_DIR;
+  Project project = ProjectSource::read(root / "examples/nanopositioner/project.toml").project(from);
+  project.track.frequency = {Hertz{10.0}};
+  project.track.amplitudes = {0.5};
+  project.target.disturbance.amplitude = {{0.25, 0.5, 1.0}, {0.2, 0.42, 1.0}, {0.3, 0.58, 1.0}};
+  const auto circuit = make_analog_controller(project).controller;
+  ASSERT_NE(circuit, nullptr);
+  ASSERT_TRUE(circuit->stroke.has_value());
+  const tracking::Reference half(tracking::Reference::Shape::triangle, 0.5);
+  const std::vector<double> made = controller_at_rest(project, circuit)->drive(half, Hertz{10.0}).v;
+  const Disturbance d = project.target.disturbance.at(0.5, Hertz{10.0});
+  const std::vector<double> wanted = half.samples(made.size());
+  double worst = 0.0;
+  for (std::size_t i = 5; i + 5 < made.size(); ++i) {
+    if (std::abs(static_cast<double>(i) - 0.5 * static_cast<double>(made.size())) < 5.0) continue;
+    const double r = wanted[i];
+    const auto branch =
+        2 * i < made.size() ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
+    worst = std::max(worst, std::abs(made[i] + d.value(branch, made[i]) - r));
+  }
+  EXPECT_LT(worst, 4e-3);
 }
 
 }  // namespace

@@ -112,32 +112,6 @@ TEST(ForeignPoints, ATableWithoutHeadingsIsGainsWhereTheyCanBeNothingElse) {
   EXPECT_THAT(from.inputs[0].read_as, HasSubstr("linear gains"));
 }
 
-TEST(ForeignPoints, SegmentsOfACitiFileAreEvenInFrequency) {
-  const TemporaryFolder folder;
-  const auto written = [&](const std::string& segment, const std::string& values) {
-    write_file(folder / "s.cti", "CITIFILE A.01.00\nVAR FREQ MAG 3\nDATA S[2,1] RI\nSEG_LIST_BEGIN\n" +
-                                     segment + "\nSEG_LIST_END\nBEGIN\n" + values + "END\n");
-    Provenance from;
-    return FrequencyRecord::read_csv(folder / "s.cti", from);
-  };
-  const FrequencyRecord record = written("SEG 100 400 3", "1,0\n0,2\n-3,0\n");
-  ASSERT_EQ(record.frequency.size(), 3u);
-  EXPECT_EQ(record.frequency[0].value, 100.0);
-  EXPECT_EQ(record.frequency[1].value, 250.0);
-  EXPECT_EQ(record.frequency[2].value, 400.0);
-  EXPECT_LT(std::abs(record.response[2] - Complex(-3.0, 0.0)), 1e-12);
-}
-
-TEST(ForeignPoints, PortsOfATouchstoneFileWithoutAnEndingFollowFromItsNumbers) {
-  const TemporaryFolder folder;
-  write_file(folder / "bare", "# Hz S RI R 50\n10 .1 0 .7 .2 .3 0 .4 0\n20 .1 0 .6 .1 .3 0 .4 0\n");
-  Provenance from;
-  const FrequencyRecord record = FrequencyRecord::read_csv(folder / "bare", from);
-  ASSERT_EQ(record.frequency.size(), 2u);
-  EXPECT_LT(std::abs(record.response[0] - Complex(0.7, 0.2)), 1e-12);
-  EXPECT_LT(std::abs(record.response[1] - Complex(0.6, 0.1)), 1e-12);
-}
-
 struct RecordSample {
   std::string name;
   std::size_t samples;

@@ -62,9 +62,12 @@ std::string with(std::string text, const std::string& from, const std::string& t
 }
 
 TEST(ReportCheck, WhatWasTypedFromThePlanAgrees) {
-  const DesignerReport report = read_report(report_of(seed_plan()), "r.htm");
+  DesignerReport report = read_report(report_of(seed_plan()), "r.htm");
   EXPECT_EQ(report.cams.size(), 8u);
   EXPECT_EQ(report.cams[0].cam, "FilterBilinear");
+  EXPECT_THAT(compare_report(report, seed_plan()), ::testing::IsEmpty());
+  // A report may leave out its clocks.
+  for (DesignerReport::Chip& chip : report.chips) chip.clocks.clear();
   EXPECT_THAT(compare_report(report, seed_plan()), ::testing::IsEmpty());
 }
 

@@ -29,6 +29,20 @@ TEST(Design, ThePapersMeetsItsLimitOnTheBoardAtClocksThatAreFound) {
   EXPECT_GE(plan.total->at_input_v, 1.5);
 }
 
+// A triangle's slope is its frequency at once; of anything else it is a mean over three periods of the slowest.
+TEST(TrackedCandidates, TheSlopeIsSmoothedWhereItIsNotConstant) {
+  Project project = seed_project({Hertz{50}, Hertz{10}});
+  const Design design = make_design(project);
+  const auto smoothing = [&] {
+    const auto all = tracked_candidates(project, design);
+    const auto found = std::ranges::find(all, std::string(tracked::self_fed_slope), &TrackedCandidate::key);
+    return std::get<tracking::SlopeGain>(found->design.descending).smoothing_s;
+  };
+  EXPECT_EQ(smoothing(), 0.0);
+  project.track.waveforms = {tracking::Reference::Shape::sine};
+  EXPECT_NEAR(smoothing(), 0.3, 1e-12);
+}
+
 TrackingStudy study_tracking(const Project& project, const Design& design) {
   const std::vector<TrackedCandidate> candidates = tracked_candidates(project, design);
   return tracking_study(project, design, make_budget(project, design), candidates,

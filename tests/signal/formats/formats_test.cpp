@@ -293,6 +293,11 @@ TEST(MatlabFile, WhatDoesNotFitIsRefused) {
       HasSubstr("'b' has 2 values, t has 3"));
   EXPECT_THAT(said(mat_vector("fs", {0.0}) + mat_vector("u", {1, 2})), HasSubstr("expected f or w"));
   EXPECT_THAT(said(""), HasSubstr("holds no vectors"));
+  // Text stands for no numbers, once.
+  const std::string text = mat_matrix<std::uint16_t>("u", 4, 4, {1, 3}, {72, 105, 33});
+  EXPECT_THAT(said(rate + mat_vector("y", {1, 2, 3}) + text, "y,u"),
+              HasSubstr("'u' is text, expected numbers"));
+  EXPECT_THAT(said(text), HasSubstr("holds no vectors of numbers: 'u' is text"));
   const std::string whole = mat_file(rate + mat_vector("u", {1, 2, 3}));
   for (const std::size_t size : {whole.size() - 1, whole.size() - 70, std::size_t{130}, std::size_t{127}})
     EXPECT_THAT(refusal_of_bytes(whole.substr(0, size)),

@@ -64,6 +64,28 @@ TEST(Score, ChargesIntoASecondOrderStageEndWhereItsLoopTakesThem) {
   }
 }
 
+// Near a multiple of its clock a slow stage sees a constant: its gain at rest counts, though the band has next to none of it.
+TEST(Score, PeaksNearMultiplesOfASlowClockCount) {
+  const auto low_pass = [](std::int64_t divisor, int from, std::vector<double> c) {
+    DesignStage out;
+    out.kind = FilterStage::Kind::first;
+    out.divisor = divisor;
+    out.from = {from};
+    out.c = std::move(c);
+    return out;
+  };
+  Design design;
+  design.stages = {low_pass(10, DesignStage::kBoardInput, {50, 0, 50, 10}),
+                   low_pass(1000, 0, {40, 0, 10, 159})};
+  const DesignTarget target = flat_target(300.0, 400.0);
+  const StageFactorTable table(target);
+  const DesignResponse response(design, table);
+  EXPECT_LT(std::abs(response.output(0)), 0.3);
+  const std::vector<NodePeak> peaks = node_peaks(response);
+  EXPECT_NEAR(peaks[0].output, 1.0, 0.05);
+  EXPECT_NEAR(peaks[1].output, 4.0, 0.1);
+}
+
 TEST(Score, WhatDesignsAreComparedBy) {
   DesignScore score{
       .designed = 0.004, .p95 = 0.03, .noise = 0.01, .input = 0.5, .bound = 0.75, .image = 0.04};

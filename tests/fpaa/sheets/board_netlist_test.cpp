@@ -7,9 +7,11 @@
 
 #include "fpaa/network/switched_netlist.hpp"
 #include "fpaa/plan/switched_board.hpp"
+#include "fpaa/seed_sections.hpp"
 #include "fpaa/sheets/board_netlist.hpp"
 #include "fpaa/stage_samples.hpp"
 #include "schematic/ngspice/ngspice.hpp"
+#include "schematic/plain_number.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -328,6 +330,30 @@ TEST(Board, APlanWithSwitchesThatAreNotKnownIsRefusedInOneLine) {
     EXPECT_NE(refused.find("chip1.Look1"), std::string::npos);
     EXPECT_EQ(refused.find('\n'), std::string::npos);
   }
+}
+
+// Five periods of the middle of the band, or as many as 10 000 of the fastest clock are, steps an eighth of it.
+TEST(BoardDeck, RunsAsLongAsTheFastestClockAllows) {
+  Plan plan = seed_plan();
+  const double middle = std::sqrt(plan.error.band.from.value * plan.error.band.to.value);
+  const auto runs = [](const Plan& of, double hz, double clock_hz, double stop_s) {
+    const std::string deck = board_deck(of, "deck");
+    const auto text = [](double number) { return schematic::plain_number(number); };
+    EXPECT_NE(deck.find(" V at " + text(hz) + " Hz through"), std::string::npos) << deck;
+    EXPECT_NE(deck.find("tran " + text(0.125 / clock_hz) + " " + text(stop_s) + " 0 "), std::string::npos)
+        << deck;
+  };
+  runs(plan, middle, 2000.0, 5.0 / middle);
+  // At 100 kHz five periods are of 50 Hz, which lies within the band; at 1 MHz of its upper end one and a half are left.
+  const auto at_clock = [&](double hz) {
+    for (ChipPlan& chip : plan.chips) {
+      for (PlacedCam& cam : chip.cams) cam.clock_a = Hertz{hz};
+    }
+    return plan;
+  };
+  runs(at_clock(100e3), 50.0, 100e3, 0.1);
+  const double top = plan.error.band.to.value;
+  runs(at_clock(1e6), top, 1e6, 1.5 / top);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "gap/made_response.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
+#include "gap/search_options.hpp"
 #include "signal/statistics.hpp"
 
 namespace effects_of {

@@ -101,7 +101,7 @@ TEST(Alternatives, TheBandHoldsPointsAndCorners) {
   const Band own = design_band(project, {}, sections);
   EXPECT_EQ(own.from.value, 3.0);
   EXPECT_EQ(own.to.value, 4.0);
-  project.plant.emplace();
+  project.plant = Project::Plant{};
   project.target.points.points = {{Hertz{1.0}, 1.0, {}}, {Hertz{20.0}, 1.0, {}}};
   CascadeFit fit;
   const Band wide = design_band(project, fit, sections);

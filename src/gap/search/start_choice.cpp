@@ -125,13 +125,12 @@ StartedSearch search_from_start(const chain::Chain& base, const Experiments& tra
 }
 
 std::string to_text(const StartChoice& choice) {
-  const bool still = choice.chosen == Start::equilibrium;
   return fmt::format(
-      "The training records begin under bias: what was found leaves {} rms of them, starts and all, from zero and {} from "
-      "equilibrium under the first input; {}.",
+      "The training records begin under bias: started in zero what was found leaves {} rms of them, started in equilibrium with the "
+      "first input {}, transients included; as noise, which may wander, what is left is likelier from {}.",
       rounded_text(choice.zero_rms), rounded_text(choice.equilibrium_rms),
-      still ? "the model starts there (start in model.toml)"
-            : "the model starts in zero, as it does without a word");
+      choice.chosen == Start::equilibrium ? "equilibrium (start in model.toml)"
+                                          : "zero, where a model starts that says nothing else");
 }
 
 }  // namespace bodesmith::gap

@@ -50,7 +50,7 @@ def test_half_a_stroke_by_amplitude_gains_in_closed_form_too(tmp_path):
         'schema = "bodesmith.project/1"\nname = "half"\n[target]\npoints = "gains.csv"\ndisturbance = "d.json"\nbase_hz = 1.0\n'
         "[approximate]\norder = 1\n[hardware.circuit]\n[plant]\nstroke_m = 7e-6\n[track]\namplitude = 0.5\nfrequency_hz = [20, 100]\n"
     )
-    done = run("run", tmp_path / "project.toml", "-o", tmp_path / "out")
+    done = run("run", tmp_path / "project.toml", "-o", tmp_path / "out", env={"BODESMITH_NGSPICE": "/nowhere"})
     assert done.status == 0, done.out + done.err
     controller = json.loads((tmp_path / "out/run.json").read_text())["tracking"]["engines"][0]
     assert controller["cvode_percent"] < 0.1
@@ -58,7 +58,7 @@ def test_half_a_stroke_by_amplitude_gains_in_closed_form_too(tmp_path):
 
 
 def test_a_limit_that_is_not_met_is_exit_status_1(tmp_path):
-    done = run("run", project(tmp_path, "tracking_percent = 0.001\n"), "-o", tmp_path / "out")
+    done = run("run", project(tmp_path, "tracking_percent = 0.001\n"), "-o", tmp_path / "out", env={"BODESMITH_NGSPICE": "/nowhere"})
     assert done.status == 1 and "limit      tracking_percent 0.001" in done.out and "NOT met" in done.out
 
 

@@ -54,8 +54,8 @@ class FractionalLeadLagBlock final : public BlockType {
 
  private:
   /// |ln H~ - ln H| over all frequencies. In z of pade_positions, |z| = m there, it is the odd series of 2 (beta - sum x_k^(2j+1))
-  /// z^(2j+1)/(2j+1), which begins where Pade's conditions end and from there on grows with j (|x_k| < 1): all of one sign, it
-  /// is largest at z = -m, at rest, where H = 1.
+  /// z^(2j+1)/(2j+1), which begins where Pade's conditions end. Largest at z = -m, at rest, where H = 1: so where the first of them
+  /// outweighs the rest, and by evaluation over the circle for kappa 2 to 1e6, beta .04 to .97, 2 to 16 poles.
   static double largest_log_error(const std::vector<Section>& sections) {
     double dc_gain = 1.0;
     for (const Section& section : sections) dc_gain *= section.dc_gain();

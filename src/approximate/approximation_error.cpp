@@ -46,23 +46,17 @@ double phase_rad(const Section& section, RadPerSecond w) {
   return out;
 }
 
-struct ErrorAt {
-  double db = 0.0;
-  double deg = 0.0;
-};
-
-ErrorAt error_at(const Sections& sections, const Cascade& cascade, RadPerSecond w) {
+double error_db(const Sections& sections, const Cascade& cascade, RadPerSecond w) {
   double np = std::log(std::abs(sections.gain / cascade.gain));
+  for (const Section& section : sections.sections) np += log_magnitude(section, w);
+  for (const FractionalLeadLag& term : cascade.terms) np -= term.log_magnitude(w);
+  return kDecibelPerNeper * np;
+}
+double error_deg(const Sections& sections, const Cascade& cascade, RadPerSecond w) {
   double rad = 0.0;
-  for (const Section& section : sections.sections) {
-    np += log_magnitude(section, w);
-    rad += phase_rad(section, w);
-  }
-  for (const FractionalLeadLag& term : cascade.terms) {
-    np -= term.log_magnitude(w);
-    rad -= term.phase_rad(w);
-  }
-  return {kDecibelPerNeper * np, to_degrees(rad)};
+  for (const Section& section : sections.sections) rad += phase_rad(section, w);
+  for (const FractionalLeadLag& term : cascade.terms) rad -= term.phase_rad(w);
+  return to_degrees(rad);
 }
 
 /// Ends of the frequency axis, exactly.
@@ -101,8 +95,8 @@ ApproximationError approximation_error(const Sections& sections, const Cascade& 
   const double above = out.band.to.value * 100.0;
   const int count = whole_number(120.0 * std::log10(above / below), 200, 4000);
   const auto grid = log_grid({Hertz{below}, Hertz{above}}, count);
-  const auto level = [&](Hertz f) { return std::abs(error_at(sections, cascade, f.rad_s()).db); };
-  const auto angle = [&](Hertz f) { return std::abs(error_at(sections, cascade, f.rad_s()).deg); };
+  const auto level = [&](Hertz f) { return std::abs(error_db(sections, cascade, f.rad_s())); };
+  const auto angle = [&](Hertz f) { return std::abs(error_deg(sections, cascade, f.rad_s())); };
   const auto visit_db = [&](double db, Hertz f) {
     if (db <= out.everywhere_db) return;
     out.everywhere_db = db;

@@ -56,11 +56,7 @@ class FractionalLeadLagBlock final : public BlockType {
   /// |ln H~ - ln H| over all frequencies. In z of pade_positions, |z| = m there, it is the odd series of 2 (beta - sum x_k^(2j+1))
   /// z^(2j+1)/(2j+1), which begins where Pade's conditions end. Largest at z = -m, at rest, where H = 1: so where the first of them
   /// outweighs the rest, and by evaluation over the circle for kappa 2 to 1e6, beta .04 to .97, 2 to 16 poles.
-  static double largest_log_error(const std::vector<Section>& sections) {
-    double dc_gain = 1.0;
-    for (const Section& section : sections) dc_gain *= section.dc_gain();
-    return std::abs(std::log(dc_gain));
-  }
+  static double largest_log_error(const Sections& sections) { return std::abs(std::log(sections.dc_gain())); }
   static LinearKernel kernel_of(const FractionalLeadLag& term) {
     const double kappa = term.corner_ratio();
     if (std::abs(term.beta) < 1e-12 || kappa == 1.0) return gain_kernel(1.0);
@@ -70,13 +66,12 @@ class FractionalLeadLagBlock final : public BlockType {
     // No approximation can do with fewer poles than the limit law says; from there on until the error itself
     // is met.
     int order = std::max(min_order, minimax_order(kappa, term.beta, kMaxErrorDb, kMaxPoles));
-    auto sections = value_or_throw(try_term_sections(term, options, order));
-    while (largest_log_error(sections) > kMaxErrorDb / kDecibelPerNeper && order < kMaxPoles)
-      sections = value_or_throw(try_term_sections(term, options, ++order));
-    StateSpace system = gain_system(1.0);
-    for (const Section& section : sections) system = in_series(system, state_space(section));
-    LinearKernel out{system};
-    out.approximation_error = std::expm1(largest_log_error(sections));
+    Sections made;
+    made.sections = value_or_throw(try_term_sections(term, options, order));
+    while (largest_log_error(made) > kMaxErrorDb / kDecibelPerNeper && order < kMaxPoles)
+      made.sections = value_or_throw(try_term_sections(term, options, ++order));
+    LinearKernel out{state_space(made)};
+    out.approximation_error = std::expm1(largest_log_error(made));
     return out;
   }
   /// H(lambda s).

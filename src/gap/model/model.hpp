@@ -35,6 +35,7 @@ struct Unknown {
   std::string unit = {};  ///< of that parameter ("Hz", "s", "y/s", ...); empty: none
 
   bool is_frequency() const { return unit == "Hz"; }
+  bool moves_edges() const { return hop > 0.0; }
   bool at_bound() const { return value <= low || value >= high; }
 };
 

@@ -27,15 +27,11 @@ double off_from_given(const Unknown& u, double value) {
   return u.logarithmic ? std::log(value / u.given) : value - u.given;
 }
 
-bool moves_edges(const Unknown& u) {
-  return u.hop > 0.0;
-}
-
 /// `edges_held`: what moves edges across samples stays as it is.
 std::vector<SearchVariable> search_variables(const std::vector<Unknown>& unknowns, bool edges_held = false) {
   std::vector<SearchVariable> out;
   for (const Unknown& u : unknowns) {
-    const bool held = edges_held && moves_edges(u);
+    const bool held = edges_held && u.moves_edges();
     out.push_back({u.value, held ? u.value : u.low, held ? u.value : u.high, u.logarithmic, u.scale});
   }
   return out;
@@ -77,7 +73,7 @@ FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions
   FittedModel fitted{std::move(model), {}};
   // An edge on a sample (a clock of which the sampling is a multiple) jumps where a difference would tell a slope, and no step of all together
   // leaves less: the others come first.
-  bool edges_held = std::any_of(unknowns.begin(), unknowns.end(), moves_edges);
+  bool edges_held = std::ranges::any_of(unknowns, &Unknown::moves_edges);
   for (int round = 0; round < kMaxUnits; ++round) {
     auto& result = fitted.result;
     result = least_squares(search_variables(fitted.model.unknowns(), edges_held), residuals, options);

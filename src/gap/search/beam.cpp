@@ -52,9 +52,8 @@ class GoneOnFrom {
   enum class Move { one_more, another };
   /// Whether that move was made before from a set as good; from now on it was.
   bool again(Move move, const PlacedSet& set, const SearchRecords& records) {
-    const auto samples = residuals_of(set.model, records.train).size();
-    const auto [found, is_new] =
-        evidence_.emplace(std::tuple(move, names_of(set.model), samples), set.log_evidence);
+    const auto [found, is_new] = evidence_.emplace(
+        std::tuple(move, names_of(set.model), scored_samples(records.train)), set.log_evidence);
     if (is_new) return false;
     if (set.log_evidence < found->second + kAnew) return true;
     found->second = set.log_evidence;
@@ -195,8 +194,8 @@ PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, P
   const std::size_t count = count_of(set);
   set = dropped(setting, records, std::move(set));
   for (int turn = 0; turn < kMaxTurns && count_of(set) > 1; ++turn) {
-    const bool others = names_of(set.model) != std::exchange(names, names_of(set.model));
-    if (others && gone_on_from.again(GoneOnFrom::Move::another, set, records)) break;
+    const auto before = std::exchange(names, names_of(set.model));
+    if (names != before && gone_on_from.again(GoneOnFrom::Move::another, set, records)) break;
     const bool fresh = turn == 0 && count_of(set) == count && set.rivals.back().ranking.size() > 1;
     auto other = exchanged(setting, records, set, fresh, tried);
     if (!other) break;

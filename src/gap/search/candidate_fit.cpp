@@ -117,7 +117,7 @@ void comb(const SearchSetting& setting, const SearchRecords& records, Racer& rac
   const auto unknowns = racer.now.model.unknowns();
   const auto options = fit_options(setting.options, setting.options.refit_iterations);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
-    if (unknowns[at].hop <= 0.0 || setting.options.is_late()) continue;
+    if (!unknowns[at].moves_edges() || setting.options.is_late()) continue;
     for (const auto& hops : kHops) {
       const auto better = least_around(racer.now, records.look(), at, unknowns[at], hops);
       if (!better) continue;

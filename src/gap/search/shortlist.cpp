@@ -67,9 +67,8 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
       along += std::pow(as_eigen(more.all()[d]).dot(present.unexplained), 2);
     const double score = present.unexplained_energy > 0.0 ? along / present.unexplained_energy : 0.0;
     // As its unknowns stand, those of the model refitted by linearisation.
-    auto left = out;
-    present.known.take_out(left);
-    scores.push_back({s, score, as_eigen(left).squaredNorm()});
+    present.known.take_out(out);
+    scores.push_back({s, score, as_eigen(out).squaredNorm()});
   }
   std::stable_sort(scores.begin(), scores.end(),
                    [](const StartScore& a, const StartScore& b) { return a.score > b.score; });

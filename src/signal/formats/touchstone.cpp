@@ -160,7 +160,7 @@ class TouchstoneReader {
       fail("has mixed-mode parameters, expected single-ended ones");
     } else if (key == "REFERENCE") {
       in_reference_ = true;
-      for (const std::string_view word : split_words(value)) take_reference(word);
+      for (const std::string_view word : split_words(value)) check_reference(word);
     } else if (key == "BEGIN INFORMATION") {
       in_information_ = true;
     } else if (key == "END INFORMATION") {
@@ -176,14 +176,14 @@ class TouchstoneReader {
     }  // others change nothing here
   }
 
-  void take_reference(std::string_view word) {
+  void check_reference(std::string_view word) {
     double ohm = 0.0;
     if (!parse_number(word, ohm)) fail(fmt::format("'{}' is not a reference resistance", word.substr(0, 40)));
   }
 
   void data(std::string_view line) {
     if (in_reference_) {
-      for (const std::string_view word : split_words(line)) take_reference(word);
+      for (const std::string_view word : split_words(line)) check_reference(word);
       return;
     }
     row_.clear();

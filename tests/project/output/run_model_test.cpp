@@ -16,13 +16,18 @@
 namespace bodesmith::project {
 namespace {
 
-// The circuit has the full stroke's polynomials and no gains for another one: at half the stroke it makes what these make there.
-TEST(ControllerAtRest, MakesAtHalfAStrokeWhatCvodeMakesOfTheCircuit) {
+Project half_a_stroke() {
   Provenance from;
   const std::filesystem::path root = BODESMITH_SOURCE_DIR;
   Project project = ProjectSource::read(root / "examples/nanopositioner/project.toml").project(from);
   project.track.frequency = {Hertz{10.0}};
   project.track.amplitudes = {0.5};
+  return project;
+}
+
+// The circuit has the full stroke's polynomials and no gains for another one: at half the stroke it makes what these make there.
+TEST(ControllerAtRest, MakesAtHalfAStrokeWhatCvodeMakesOfTheCircuit) {
+  const Project project = half_a_stroke();
   const auto circuit = make_analog_controller(project).controller;
   ASSERT_NE(circuit, nullptr);
   const tracking::Reference half(tracking::Reference::Shape::triangle, 0.5);
@@ -44,11 +49,7 @@ TEST(ControllerAtRest, MakesAtHalfAStrokeWhatCvodeMakesOfTheCircuit) {
 
 // With amplitude gains its divider and held stroke make v = r - d(v) of the polynomials at that stroke; the parts are of a series.
 TEST(ControllerAtRest, AmplitudeGainsMakeThePolynomialsOfTheStroke) {
-  Provenance from;
-  const std::filesystem::path root = BODESMITH_SOURCE_DIR;
-  Project project = ProjectSource::read(root / "examples/nanopositioner/project.toml").project(from);
-  project.track.frequency = {Hertz{10.0}};
-  project.track.amplitudes = {0.5};
+  Project project = half_a_stroke();
   project.target.disturbance.amplitude = {{0.25, 0.5, 1.0}, {0.2, 0.42, 1.0}, {0.3, 0.58, 1.0}};
   const auto circuit = make_analog_controller(project).controller;
   ASSERT_NE(circuit, nullptr);

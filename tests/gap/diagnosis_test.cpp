@@ -81,14 +81,13 @@ std::string told_of_other(const Records& r, double volts, double seconds, double
   return told(train, other(r.holdout, volts, seconds, moved, ++seed));
 }
 
+/// All at once: a law that fails is told by leaving out the others.
 TEST(Laws, NamesDependNeitherOnOrderNorUnitsNorABillionthOfTheOutput) {
   for (const auto& missing : kMissing) {
-    SCOPED_TRACE(missing);
     const auto r = records_of(kBase + missing);
-    const auto usual = told(r.train, r.holdout);
-    EXPECT_EQ(told({r.train[1], r.train[0]}, r.holdout), usual);
-    EXPECT_EQ(told_of_other(r, 1e3, 1e3, 0.0, 0), usual);
-    EXPECT_EQ(told_of_other(r, 1.0, 1.0, 1e-9, 10), usual);
+    EXPECT_EQ(told_of_other({{r.train[1], r.train[0]}, r.holdout}, 1e3, 1e3, 1e-9, 10),
+              told(r.train, r.holdout))
+        << missing;
   }
 }
 
@@ -127,17 +126,13 @@ gap::Diagnosis diagnosis_in_units(double scale) {
 }
 
 TEST(Units, DecideNeitherNamesNorFigures) {
-  const auto usual = diagnosis_in_units(1.0);
-  ASSERT_FALSE(usual.steps.empty());
-  EXPECT_EQ(usual.steps[0].effect, "hysteresis");
-  for (const double scale : {1e-6, 1e6}) {
-    const auto other = diagnosis_in_units(scale);
-    ASSERT_EQ(other.steps.size(), usual.steps.size()) << scale;
-    EXPECT_EQ(other.steps[0].effect, usual.steps[0].effect) << scale;
-    EXPECT_EQ(other.steps[0].placed, usual.steps[0].placed) << scale;
-    EXPECT_NEAR(other.final.holdout_rms / scale, usual.final.holdout_rms, 0.02 * usual.final.holdout_rms)
-        << scale;
-  }
+  const auto small = diagnosis_in_units(1e-6), large = diagnosis_in_units(1e6);
+  ASSERT_FALSE(small.steps.empty());
+  ASSERT_EQ(small.steps.size(), large.steps.size());
+  EXPECT_EQ(small.steps[0].effect, "hysteresis");
+  EXPECT_EQ(small.steps[0].effect, large.steps[0].effect);
+  EXPECT_EQ(small.steps[0].placed, large.steps[0].placed);
+  EXPECT_NEAR(1e12 * small.final.holdout_rms / large.final.holdout_rms, 1.0, 0.02);
 }
 
 TEST(Units, BeyondWhatCubesAllowAreRefusedInAWord) {

@@ -22,7 +22,7 @@ using hidden::Hidden;
 using hidden::Kind;
 using hidden::World;
 
-constexpr std::size_t kMeasuredRows = 1500;
+constexpr std::size_t kMeasuredRows = 1000;
 
 class Measured : public testing::TestWithParam<Hidden> {
  protected:

@@ -37,26 +37,15 @@ def measured(built, file):
     return out
 
 
-def test_a_wrong_resistor_and_a_slow_amplifier_of_a_controller(built, tmp_path):
-    bench("controller", built, "Rd3=1.08", "--amplifier-hz", 50e3, "-o", tmp_path / "record.csv")
-    out = measured(built, tmp_path / "record.csv")
-    assert out["of"] == "the controller and the stage"
-    assert out["found"][0].startswith("Rd3 is 8 % above its value") and out["tied"] == []
-    corner = out["found"][1].split()
-    assert corner[:3] == ["amplifier:", "corner", "is"] and corner[4] == "kHz" and float(corner[3]) == pytest.approx(50.0, rel=0.02)
-    # The noise of the bench is 2e-5 of the stroke.
-    assert out["gap_percent"]["before"] > 10 * out["gap_percent"]["with_what_was_found"]
-    assert out["gap_percent"]["with_what_was_found"] == pytest.approx(0.002, rel=0.15)
-    tracking = out["next"]["tracking_percent"]
-    assert tracking["predicted"] < 0.5 * tracking["before"]
-    assert "corner_hz = 100000" not in (built / "next/stage.toml").read_text()
-    rows = list(csv.DictReader((built / "measured/comparison.csv").open()))
-    assert len(rows) == 901 and set(rows[0]) == {"time_s", "u", "measured", "predicted", "with_what_was_found"}
+@pytest.fixture(scope="module")
+def as_meant(built, tmp_path_factory):
+    record = tmp_path_factory.mktemp("as_meant") / "record.csv"
+    bench("controller", built, "-o", record)
+    return record
 
 
-def test_a_controller_as_it_was_meant_is_not_accused(built, tmp_path):
-    bench("controller", built, "-o", tmp_path / "record.csv")
-    out = measured(built, tmp_path / "record.csv")
+def test_a_controller_as_it_was_meant_is_not_accused(built, as_meant):
+    out = measured(built, as_meant)
     assert out["verdict"] == "nothing_missing" and out["found"] == [] and out["next"] is None
     assert not any(name.startswith("next/") for name in out["files"])
 
@@ -72,9 +61,18 @@ def test_parts_within_their_tolerances_are_not_accused_and_do_not_hide_a_wrong_o
     assert out["gap_percent"]["before"] > 3 * out["noise_percent"]
     assert out["found"] == [] and out["next"] is None and "tolerances" in out["advice"]
     off["Rd3"] = 1.08
-    bench("controller", built, *(f"{part}={factor}" for part, factor in off.items()), "-o", tmp_path / "wrong.csv")
+    bench("controller", built, *(f"{part}={factor}" for part, factor in off.items()), "--amplifier-hz", 50e3, "-o", tmp_path / "wrong.csv")
     out = measured(built, tmp_path / "wrong.csv")
-    assert len(out["found"]) == 1 and out["found"][0].startswith("Rd3 is 8")
+    assert out["of"] == "the controller and the stage"
+    assert len(out["found"]) == 2 and out["found"][0].startswith("Rd3 is 8") and out["tied"] == []
+    corner = out["found"][1].split()
+    assert corner[:3] == ["amplifier:", "corner", "is"] and corner[4] == "kHz" and float(corner[3]) == pytest.approx(50.0, rel=0.1)
+    assert out["gap_percent"]["before"] > 2 * out["gap_percent"]["with_what_was_found"]
+    tracking = out["next"]["tracking_percent"]
+    assert tracking["predicted"] < 0.5 * tracking["before"]
+    assert "corner_hz = 100000" not in (built / "next/stage.toml").read_text()
+    rows = list(csv.DictReader((built / "measured/comparison.csv").open()))
+    assert len(rows) == 901 and set(rows[0]) == {"time_s", "u", "measured", "predicted", "with_what_was_found"}
 
 
 @pytest.mark.parametrize("stage, words", [
@@ -195,14 +193,13 @@ def test_a_capacitor_of_a_board_beside_a_circuit(tmp_path):
     assert wrong["gap_percent"]["with_what_was_found"] < 0.2 * wrong["gap_percent"]["before"]
 
 
-def test_bad_input_is_one_line_and_nothing_is_written(built, tmp_path):
+def test_bad_input_is_one_line_and_nothing_is_written(built, as_meant, tmp_path):
     before = sorted(built.rglob("*"))
     (tmp_path / "bad.csv").write_text("frequency_hz,magnitude_db\n1,x\n")
     other = tmp_path / "other.toml"
     other.write_text(PROJECT.read_text().replace("../", str(ROOT / "examples") + "/").replace("[1, 100]", "[1, 50]"))
     (tmp_path / "bode.csv").write_text("frequency_hz,magnitude_db\n1,0\n2,0\n3,0\n")
-    bench("controller", built, "-o", tmp_path / "record.csv")
-    rows = list(csv.reader((tmp_path / "record.csv").open()))
+    rows = list(csv.reader(as_meant.open()))
     microns = [rows[0], *((t, u, repr(1e6 * float(y))) for t, u, y in rows[1:])]
     (tmp_path / "microns.csv").write_text("\n".join(",".join(row) for row in microns) + "\n")
     files = [(PROJECT, tmp_path / name) for name in ("bad.csv", "none.csv", "microns.csv")] + [(other, tmp_path / "bode.csv")]

@@ -172,8 +172,7 @@ BlindResult blind_boards(const Plan& plan, const BlindSetting& setting, int roun
 TEST(Trim, BringsBoardsToAFifthAndNoneFurtherAway) {
   using Kind = UnitBoard::Kind;
   for (const Kind kind : {Kind::binary, Kind::nested, Kind::relative}) {
-    const BlindResult boards =
-        blind_boards(seed_plan(), {.boards = kind == Kind::relative ? 5 : 10, .kind = kind});
+    const BlindResult boards = blind_boards(seed_plan(), {.boards = 5, .kind = kind});
     EXPECT_LT(boards.after_95, 0.2 * boards.before_95);
     EXPECT_EQ(boards.worse, 0);
   }
@@ -189,16 +188,17 @@ TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
 /// The same sections with the clocks searched: their capacitors are chosen for little mismatch and leave less to trim.
 TEST(Trim, HelpsPlansOfSeveralClocksToo) {
   const Plan plan = plan_of(seed_sections());
-  const BlindResult boards = blind_boards(plan, {.boards = 5, .noise = 1e-4, .seed = 500});
+  EXPECT_GT(plan.clocks_hz().size(), 1u);
+  const BlindResult boards = blind_boards(plan, {.boards = 3, .noise = 1e-4, .seed = 500});
   EXPECT_LT(boards.after_95, 0.3 * boards.before_95);
   EXPECT_EQ(boards.worse, 0);
 }
 
 TEST(Trim, FewFrequenciesAndMagnitudesAloneHelpToo) {
-  const BlindResult few = blind_boards(seed_plan(), {.boards = 5, .points = 5, .seed = 2000});
+  const BlindResult few = blind_boards(seed_plan(), {.boards = 3, .points = 5, .seed = 2000});
   EXPECT_LT(few.after_95, 0.25 * few.before_95);
   EXPECT_EQ(few.worse, 0);
-  const BlindResult magnitudes = blind_boards(seed_plan(), {.boards = 5, .with_phase = false, .seed = 3000});
+  const BlindResult magnitudes = blind_boards(seed_plan(), {.boards = 3, .with_phase = false, .seed = 3000});
   EXPECT_LT(magnitudes.after_95, 0.3 * magnitudes.before_95);
   EXPECT_EQ(magnitudes.worse, 0);
 }

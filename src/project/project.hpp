@@ -19,7 +19,7 @@
 #include "lti/sections.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/disturbance.hpp"
-#include "tolerance/controller/errors.hpp"
+#include "synthesis/generator/part_errors.hpp"
 #include "tolerance/yield.hpp"
 #include "tracking/reference.hpp"
 
@@ -67,14 +67,20 @@ struct Project {
     std::string capacitors = "E12";
   };
   std::optional<Circuit> circuit;  ///< absent: no op-amp circuit is designed
-  tolerance::Spread spread;        ///< of its parts, where there is no stage
+  tolerance::Spread spread;        ///< of its parts, where there is no stage; otherwise `controller.errors`
 
   /// The whole analog controller of a stage, which goes with [hardware.circuit].
   struct Controller {
     std::optional<std::string> form;  ///< "self-fed", "two-pass", "seed"; absent: see controllers.hpp
-    tolerance::PartErrors errors;     ///< how far its parts are off
+    generator::PartErrors errors;     ///< how far its parts are off
     bool allow_unstable = false;      ///< goes on with a phase margin below 30 degrees
   } controller;
+
+  /// What its resistors and capacitors are bought for: what is drawn, ordered, and written into decks.
+  const schematic::Tolerances& tolerances() const {
+    if (plant) return controller.errors;
+    return spread;
+  }
 
   /// The stage of "Modeling and Control of Piezoelectric Hysteresis: A Polynomial-Based Fractional Order
   /// Disturbance Compensation Approach", Fig. 1(b): amplifier pole, damping compensator (eq. 20), resonance.

@@ -216,7 +216,7 @@ Project::Choice read_choice(const Node& node) {
 Project::Controller read_controller(const Node& node) {
   node.allow_only({"form", "errors", "allow_unstable"});
   Project::Controller out;
-  if (node.has("errors")) out.errors = tolerance::PartErrors::from_node(node.at("errors"));
+  if (node.has("errors")) out.errors = generator::PartErrors::from_node(node.at("errors"));
   if (node.has("allow_unstable")) out.allow_unstable = node.at("allow_unstable").boolean();
   if (node.has("form")) out.form = node.at("form").one_of({"self-fed", "two-pass", "seed"});
   return out;

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "fpaa/plan/drawn_board.hpp"
+#include "numeric/departure.hpp"
 #include "schematic/analysis/response.hpp"
-#include "tolerance/departure.hpp"
 #include "tolerance/yield.hpp"
 
 namespace bodesmith::tolerance {

@@ -28,7 +28,7 @@ struct Histogram {
 };
 
 /// How parts differ from what is printed on them.
-struct Spread {
+struct Spread : schematic::Tolerances {
   enum class Kind {
     uniform,   ///< evenly within +-tolerance
     gaussian,  ///< standard deviation tolerance/sigmas, not cut off
@@ -36,8 +36,6 @@ struct Spread {
   };
   Kind kind = Kind::uniform;
   double sigmas = 3.0;
-  double resistor_percent = 1.0;
-  double capacitor_percent = 5.0;
   /// Temperature is even in [low, high]; every part has a coefficient of its own, even within +-ppm; 25 C is
   /// neutral.
   double temperature_low_c = 25.0;

@@ -72,7 +72,7 @@ TEST(ReadProject, AResponseIsJudgedOverItsPointsUnlessABandIsGiven) {
   EXPECT_EQ(given.fit.direct.max_corner->value, 400.0);
   EXPECT_EQ(given.circuit->resistors, "E24");
   EXPECT_EQ(given.circuit->capacitors, "E12");
-  EXPECT_EQ(given.spread.resistor_percent, 0.5);
+  EXPECT_EQ(given.tolerances().resistor_percent, 0.5);
   EXPECT_EQ(*given.limits.yield_db, 2.0);
   EXPECT_EQ(*given.limits.points_db, 0.3);
   EXPECT_FALSE(given.limits.circuit_db || given.limits.fit_db || given.limits.fpaa_percent);

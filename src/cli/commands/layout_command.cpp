@@ -111,9 +111,9 @@ std::string timing_summary(const generator::DisturbanceCircuit& layout, const ge
   }
   for (const generator::SwitchFigures::Late& one : timing.analog_switch.late) {
     text += fmt::format(
-        "{} Hz triangle: branch {}s late, steps up to {}, {} rms ({} with the multipliers' limits)\n",
+        "{} Hz triangle: branch {}s late, steps up to {}, {} rms ({} with multipliers off by one standard deviation)\n",
         rounded_text(one.frequency.value), engineering_text(one.delay_s, ""), percent(one.step_percent),
-        percent(one.rms_percent), percent(one.rms_at_limit_percent));
+        percent(one.rms_percent), percent(one.rms_off_percent));
   }
   if (layout.switched()) {
     text += fmt::format(
@@ -128,13 +128,13 @@ std::string timing_summary(const generator::DisturbanceCircuit& layout, const ge
 
 std::string layout_check_text(const generator::DisturbanceCheck& check) {
   std::string text = fmt::format(
-      "ngspice: {} of range from the polynomials at rest ({} with the multipliers' limits, predicted {})",
-      percent(check.static_percent), percent(check.limit_percent), percent(check.limit_predicted_percent));
+      "ngspice: {} of range from the polynomials at rest ({} with multipliers off by one standard deviation, predicted {})",
+      percent(check.static_percent), percent(check.off_percent), percent(check.off_predicted_percent));
   for (const generator::DisturbanceCheck::Dynamic& one : check.dynamic) {
-    text += fmt::format(", {} rms at {} Hz{} ({} with limits, detector {}s late)", percent(one.rms_percent),
+    text += fmt::format(", {} rms at {} Hz{} ({} so, detector {}s late)", percent(one.rms_percent),
                         rounded_text(one.frequency.value),
                         one.alpha == 1.0 ? "" : " and alpha " + rounded_text(one.alpha),
-                        percent(one.rms_at_limit_percent), engineering_text(one.delay_s, ""));
+                        percent(one.rms_off_percent), engineering_text(one.delay_s, ""));
   }
   if (check.change) {
     text += fmt::format("; a change of branch takes {}s, glitch {} (predicted {})",

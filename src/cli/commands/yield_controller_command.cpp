@@ -42,8 +42,8 @@ std::vector<Hertz> yield_tracked(const CommandLine& line, const Disturbance& dis
   return out;
 }
 
-tolerance::PartErrors part_errors_given(const CommandLine& line) {
-  tolerance::PartErrors out;
+generator::PartErrors part_errors_given(const CommandLine& line) {
+  generator::PartErrors out;
   for (const std::string& pair : line.all<std::string>("error")) {
     const std::size_t cut = pair.find('=');
     const std::string name = pair.substr(0, cut);

@@ -48,7 +48,7 @@ void add_board(const Run& run, OutputSet& out) {
 void add_circuit(const Run& run, OutputSet& out) {
   const synthesis::Candidate& best = run.design.circuit->best;
   OutputSet spice;
-  synthesis::add_compensator_files(best.made, run.project.name, spice);
+  synthesis::add_compensator_files(best.made, run.project.name, run.project.tolerances(), spice);
   out.include("spice", spice);
   Json json = synthesis::to_json(best.made);
   json["judged"] = synthesis::judged_json(best.judged, best.judged_band);
@@ -79,7 +79,7 @@ void add_controller(const Run& run, OutputSet& out) {
     out.add("controller/trim.md",
             tolerance::trim_page(*run.part_errors, controller, "the controller of " + run.project.name));
   }
-  generator::add_controller_files(controller, run.project.name, json, out);
+  generator::add_controller_files(controller, run.project.name, run.project.controller.errors, json, out);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "chain/sections_chain.hpp"
 #include "synthesis/controller/as_built.hpp"
 #include "synthesis/generator/at_rest.hpp"
-#include "tolerance/controller/errors.hpp"
+#include "synthesis/generator/part_errors.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -69,18 +69,18 @@ Block loop_of(const generator::DisturbanceCircuit& controller, const Disturbance
 /// What each part does to `loop`, which is the block without departures; those that do nothing at rest are left out.
 std::vector<PartChange> part_changes(const Run& run, const Block& loop, Hertz operating) {
   const generator::DisturbanceCircuit& controller = *run.design.controller;
-  const auto causes = tolerance::causes_of(controller, run.project.controller.errors);
+  const auto causes = generator::causes_of(controller, run.project.controller.errors);
   std::vector<double> values(causes.size(), 0.0);
   std::vector<PartChange> out;
   for (std::size_t i = 0; i < causes.size(); ++i) {
-    const tolerance::Cause& cause = causes[i];
+    const generator::Cause& cause = causes[i];
     if (cause.group == "op-amp speed" || cause.group == "switch") continue;
     const bool volts = cause.group.ends_with("offsets");
     const double departure = volts ? cause.departure.limit() : kRelative;
     const auto with = [&](double value) {
       values[i] = value;
       return loop_of(controller, run.project.target.disturbance, operating,
-                     tolerance::copy_of(controller, causes, values).off);
+                     generator::copy_of(controller, causes, values).off);
     };
     const Block above = with(departure);
     const Block below = with(-departure);

@@ -73,10 +73,10 @@ schematic::SpiceLibrary compensator_library(const Circuit& circuit, const std::s
   return out;
 }
 
-void add_compensator_files(const Realised& realised, const std::string& title, OutputSet& out,
-                           const MonteCarloOptions& monte_carlo) {
+void add_compensator_files(const Realised& realised, const std::string& title,
+                           const schematic::Tolerances& tolerances, OutputSet& out) {
   const Circuit& circuit = realised.circuit;
-  const DeckRequest request{circuit, title, realised.report.band, monte_carlo};
+  const DeckRequest request{circuit, title, realised.report.band, tolerances};
   out.add("compensator.sub", schematic::spice_text(compensator_library(circuit, title)));
   for (const Dialect* dialect : dialect_registry().all()) {
     for (const Deck& deck : dialect->decks(request)) out.add(deck.file, deck.text);
@@ -90,7 +90,7 @@ void add_compensator_files(const Realised& realised, const std::string& title, O
                             .title = title,
                             .comment = fmt::format("bodesmith {}; op-amps {}", kVersion, circuit.opamp.name),
                             .ports = {"in", "out"},
-                            .tolerances = {}},
+                            .tolerances = tolerances},
                            out);
 }
 

@@ -24,7 +24,7 @@ using schematic::plain_number;
 Deck deck_from_template(const std::string& file, const DeckRequest& request,
                         const std::vector<TemplateLines>& lists) {
   const double middle_hz = std::sqrt(request.band.from.value * request.band.to.value);
-  const schematic::Tolerances& tolerances = request.monte_carlo.tolerances;
+  const schematic::Tolerances& tolerances = request.tolerances;
   Json data = {{"title", plain_title(request.title)},
                {"from_hz", plain_number(request.band.from.value)},
                {"to_hz", plain_number(request.band.to.value)},
@@ -32,8 +32,6 @@ Deck deck_from_template(const std::string& file, const DeckRequest& request,
                {"points", triangle_points(middle_hz)},
                {"step_s", plain_number(1.0 / (middle_hz * 1000.0))},
                {"stop_s", plain_number(2.0 / middle_hz)},
-               {"runs", request.monte_carlo.runs},
-               {"seed", request.monte_carlo.seed},
                {"resistor_percent", plain_number(tolerances.resistor_percent)},
                {"capacitor_percent", plain_number(tolerances.capacitor_percent)},
                {"resistor_tolerance", plain_number(tolerances.resistor_percent / 100.0)},

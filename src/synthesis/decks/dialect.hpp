@@ -11,19 +11,12 @@
 
 namespace bodesmith::synthesis {
 
-/// What the Monte Carlo decks run.
-struct MonteCarloOptions {
-  schematic::Tolerances tolerances;
-  int runs = 100;
-  unsigned seed = 1;
-};
-
 /// What decks are asked for.
 struct DeckRequest {
   const Circuit& circuit;
   std::string title;
   Band band;  ///< of the small-signal and noise decks; the transient's triangle is at its middle
-  MonteCarloOptions monte_carlo;
+  schematic::Tolerances tolerances;  ///< of the Monte Carlo decks
 };
 
 struct Deck {

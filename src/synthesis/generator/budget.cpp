@@ -1,12 +1,9 @@
 #include "synthesis/generator/budget.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "base/text.hpp"
 #include "synthesis/generator/at_rest.hpp"
 #include "synthesis/generator/build.hpp"
 
@@ -25,121 +22,41 @@ double greatest_difference(const std::vector<double>& a, const std::vector<doubl
   return out;
 }
 
-std::vector<MultiplierDeviation> kinds(const ErrorLimits& e) {
-  return {{e.input_offset_v, 0, 0, 0, 0},
-          {0, e.input_offset_v, 0, 0, 0},
-          {0, 0, e.output_offset_v, 0, 0},
-          {0, 0, 0, e.scale_percent / 100.0, 0},
-          {0, 0, 0, 0, e.nonlinearity_percent / 100.0}};
-}
-const char* const kKindNames[] = {"offset of X", "offset of Y", "offset of W", "scale U", "nonlinearity"};
-
-using Spoil = std::function<void(Deviations&)>;
-/// d of a branch at all points (and amplitudes).
-using Curve = std::function<std::vector<double>(const Deviations&, size_t branch)>;
-
-/// Spoils one thing after the other and notes how far d moves.
-class Budgeting {
- public:
-  Budgeting(const DisturbanceCircuit& layout, Curve curve) : layout_(layout), curve_(std::move(curve)) {
-    const Deviations good = Deviations::none(layout);
-    for (size_t b = 0; b < layout.branches.size(); ++b) good_.push_back(curve_(good, b));
-  }
-
-  void line(std::string cause, const Spoil& spoil) {
-    Deviations bad = Deviations::none(layout_);
-    spoil(bad);
-    BudgetLine one{std::move(cause), {}};
-    for (size_t b = 0; b < good_.size(); ++b)
-      one.percent.push_back(100.0 * greatest_difference(curve_(bad, b), good_[b]));
-    lines.push_back(std::move(one));
-  }
-
-  void multiplier(const std::string& name, size_t index, const ErrorLimits& errors) {
-    const std::vector<MultiplierDeviation> all = kinds(errors);
-    for (size_t i = 0; i < all.size(); ++i) {
-      line(name + ", " + kKindNames[i], [&](Deviations& off) { off.multiplier[index] = all[i]; });
-    }
-  }
-
-  void resistors(const ErrorLimits& errors) {
-    for (size_t i = 0; i < layout_.parts.size(); ++i) {
-      const Part& part = layout_.parts[i];
-      if (part.kind != Part::Kind::resistor ||
-          layout_.purpose_of(part.group) == schematic::Purpose::slope_sign)
-        continue;
-      line(part.name + ", tolerance",
-           [&](Deviations& off) { off.part[i] = errors.resistor_percent / 100.0; });
-    }
-  }
-
-  void sort() {
-    const auto size = [](const BudgetLine& one) { return *std::ranges::max_element(one.percent); };
-    std::ranges::stable_sort(lines,
-                             [&](const BudgetLine& a, const BudgetLine& b) { return size(a) > size(b); });
-  }
-
-  std::vector<BudgetLine> lines;
-
- private:
-  const DisturbanceCircuit& layout_;
-  Curve curve_;
-  std::vector<std::vector<double>> good_;
-};
-
-std::vector<double> root_of_squares(const std::vector<BudgetLine>& lines, size_t branches) {
-  std::vector<double> out(branches, 0.0);
-  for (const BudgetLine& one : lines) {
-    for (size_t b = 0; b < branches; ++b) out[b] += one.percent[b] * one.percent[b];
-  }
-  for (double& value : out) value = std::sqrt(value);
-  return out;
-}
-
 }  // namespace
 
-Deviations multipliers_at_limit(const DisturbanceCircuit& layout, const ErrorLimits& errors) {
-  Deviations out = Deviations::none(layout);
-  for (MultiplierDeviation& one : out.multiplier) one = errors.multiplier_at_limit();
-  return out;
-}
-
-Budget make_budget(const DisturbanceCircuit& layout, const ErrorLimits& errors) {
+Budget make_budget(const DisturbanceCircuit& layout, const PartErrors& errors) {
   Budget out;
   out.errors = errors;
-  const size_t branches = layout.branches.size();
+  const std::size_t branches = layout.branches.size();
   const std::vector<double> x = points(layout.amplitude ? 20 : 100);
   const RestWiring wiring(layout);
   const AtRest good(wiring, Deviations::none(layout));
-  Budgeting all(layout, [&](const Deviations& off, size_t b) {
+  const auto disturbance = [&](const AtRest& copy, std::size_t b) {
     std::vector<double> d;
-    const AtRest copy(wiring, off, &good);
     for (const double alpha : layout.strokes()) {
       const std::vector<double> one = curve(copy, b, x, alpha);
       d.insert(d.end(), one.begin(), one.end());
     }
     return d;
-  });
-  for (size_t i = 0; i < layout.multipliers.size(); ++i)
-    all.multiplier(layout.multipliers[i].name, i, errors);
-  for (size_t i = 0; i < layout.opamps.size(); ++i) {
-    const schematic::OpAmp& one = layout.opamps[i];
-    if (one.type != 0) continue;
-    all.line(fmt::format("{} ({}), offset", one.name, one.role),
-             [&](Deviations& off) { off.opamp_offset_v[i] = errors.opamp_offset_v; });
-  }
-  if (layout.switched()) {
-    all.line("switch, on-resistance",
-             [&](Deviations& off) { off.switch_relative = errors.switch_ohm_percent / 100.0; });
-  }
-  all.resistors(errors);
-  all.sort();
-  out.lines = std::move(all.lines);
-  out.rss_percent = root_of_squares(out.lines, branches);
+  };
+  std::vector<std::vector<double>> wanted;
+  for (std::size_t b = 0; b < branches; ++b) wanted.push_back(disturbance(good, b));
+  out.rss_percent.assign(branches, 0.0);
   out.worst_percent.assign(branches, 0.0);
-  for (const BudgetLine& one : out.lines) {
-    for (size_t b = 0; b < branches; ++b) out.worst_percent[b] += one.percent[b];
+  for (const Cause& cause : causes_of(layout, errors)) {
+    const double deviation = cause.departure.deviation();
+    const AtRest copy(wiring, copy_of(layout, {cause}, {deviation}).off, &good);
+    BudgetLine line{cause.name, {}};
+    for (std::size_t b = 0; b < branches; ++b) {
+      const double percent = 100.0 * greatest_difference(disturbance(copy, b), wanted[b]);
+      line.percent.push_back(percent);
+      out.rss_percent[b] = std::hypot(out.rss_percent[b], percent);
+      out.worst_percent[b] += percent * cause.departure.limit() / deviation;
+    }
+    if (std::ranges::max(line.percent) > 0.0) out.lines.push_back(std::move(line));
   }
+  std::ranges::stable_sort(out.lines, std::ranges::greater(),
+                           [](const BudgetLine& one) { return std::ranges::max(one.percent); });
   return out;
 }
 

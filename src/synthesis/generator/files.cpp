@@ -111,13 +111,7 @@ namespace {
 
 Json to_json(const Budget& budget) {
   Json out;
-  out["assumed"] = {{"input_offset_v", budget.errors.input_offset_v},
-                    {"output_offset_v", budget.errors.output_offset_v},
-                    {"scale_percent", budget.errors.scale_percent},
-                    {"nonlinearity_percent", budget.errors.nonlinearity_percent},
-                    {"opamp_offset_v", budget.errors.opamp_offset_v},
-                    {"resistor_percent", budget.errors.resistor_percent},
-                    {"switch_ohm_percent", budget.errors.switch_ohm_percent}};
+  out["assumed"] = to_json(budget.errors);
   out["rss_percent"] = budget.rss_percent;
   out["worst_percent"] = budget.worst_percent;
   out["causes"] = lines_json(budget.lines);
@@ -154,7 +148,7 @@ Json to_json(const Timing& timing) {
                                      {"delay_s", one.delay_s},
                                      {"step_percent", one.step_percent},
                                      {"rms_percent", one.rms_percent},
-                                     {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
+                                     {"rms_multipliers_off_percent", one.rms_off_percent},
                                      {"peak_percent", one.peak_percent}});
   }
   return out;
@@ -228,7 +222,7 @@ std::string disturbance_pins(const DisturbanceCircuit& layout) {
 }
 
 std::string disturbance_library(const DisturbanceCircuit& layout, const std::string& title,
-                                const std::optional<ErrorLimits>& errors) {
+                                bool multipliers_are_off) {
   schematic::SpiceLibrary out;
   out.title = title;
   out.written_by = std::string("bodesmith ") + kVersion;
@@ -240,7 +234,7 @@ std::string disturbance_library(const DisturbanceCircuit& layout, const std::str
   for (const std::string_view pin : split(pins, ' ')) top.pins.emplace_back(pin);
   top.netlist = layout.generator();
   schematic::Deviations off = schematic::Deviations::none(top.netlist);
-  if (errors) off.multiplier.assign(top.netlist.multipliers.size(), errors->multiplier_at_limit());
+  if (multipliers_are_off) off.multiplier = multipliers_off(layout, {}).multiplier;
   out.subcircuits.push_back(std::move(top));
   if (layout.switched())
     out.subcircuits.push_back(
@@ -248,7 +242,7 @@ std::string disturbance_library(const DisturbanceCircuit& layout, const std::str
          {"x", "branch"},
          {"slope detector: differentiator with a logarithmic limit, comparator with hysteresis, 0 V or 1 V out"},
          layout.detector_netlist()});
-  return schematic::spice_text(out, {.off = errors ? &off : nullptr});
+  return schematic::spice_text(out, {.off = multipliers_are_off ? &off : nullptr});
 }
 
 void add_libraries(const DisturbanceCircuit& layout, const std::string& title, OutputSet& out,
@@ -264,7 +258,7 @@ kicad::SheetOptions sheet_of(const DisturbanceCircuit& layout, const std::string
           .title = title,
           .comment = fmt::format("bodesmith {}; op-amps {}", kVersion, layout.opamp.name),
           .ports = layout.ports(),
-          .tolerances = {}};
+          .tolerances = PartErrors()};
 }
 
 }  // namespace

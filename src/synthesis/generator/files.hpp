@@ -21,7 +21,7 @@ Json to_json(const DisturbanceCircuit& layout, const Budget& budget, const Timin
 /// branches have their select lines after `branch`. Next to it, when there is a switch, `.subckt slope_detector x branch`. `errors`:
 /// every multiplier off by these limits (for checks).
 std::string disturbance_library(const DisturbanceCircuit& layout, const std::string& title,
-                                const std::optional<ErrorLimits>& errors = {});
+                                bool multipliers_are_off = false);
 
 /// Its top subcircuit, and its pins: `x branch out`, or with select lines and amplitude.
 std::string disturbance_name(const DisturbanceCircuit& layout);

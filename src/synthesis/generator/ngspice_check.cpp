@@ -51,7 +51,7 @@ std::vector<double> swept_strokes(const DisturbanceCircuit& layout) {
   return out;
 }
 
-void check_static(const DisturbanceCircuit& layout, const ErrorLimits& errors, DisturbanceCheck& out) {
+void check_static(const DisturbanceCircuit& layout, DisturbanceCheck& out) {
   const RestWiring wiring(layout);
   const auto most = [](double& greatest, double value) {
     greatest = std::max(greatest, 100.0 * std::abs(value));
@@ -70,14 +70,14 @@ void check_static(const DisturbanceCircuit& layout, const ErrorLimits& errors, D
     }
   };
   const std::string library = disturbance_library(layout, "check"),
-                    spoilt = disturbance_library(layout, "check", errors);
+                    spoilt = disturbance_library(layout, "check", true);
   for (size_t b = 0; b < layout.branches.size(); ++b) {
     double predicted = 0.0;
     for (const double alpha : swept_strokes(layout))
       compare(library, schematic::Deviations::none(layout), b, alpha, out.static_percent, predicted,
               out.static_against_program);
-    compare(spoilt, multipliers_at_limit(layout, errors), b, layout.strokes().back(), out.limit_percent,
-            out.limit_predicted_percent, out.limit_against_program);
+    compare(spoilt, multipliers_off(layout, {}), b, layout.strokes().back(), out.off_percent,
+            out.off_predicted_percent, out.off_against_program);
   }
 }
 
@@ -140,17 +140,16 @@ DisturbanceCheck::Change check_change(const DisturbanceCircuit& layout, const st
 
 }  // namespace
 
-DisturbanceCheck check_disturbance(const DisturbanceCircuit& layout, const std::vector<Hertz>& triangles,
-                                   const ErrorLimits& errors) {
+DisturbanceCheck check_disturbance(const DisturbanceCircuit& layout, const std::vector<Hertz>& triangles) {
   const std::string library = disturbance_library(layout, "check");
-  const std::string spoilt = disturbance_library(layout, "check", errors);
+  const std::string spoilt = disturbance_library(layout, "check", true);
   DisturbanceCheck out;
-  check_static(layout, errors, out);
-  if (layout.of_full_strokes) check_static(*layout.of_full_strokes, errors, out);
+  check_static(layout, out);
+  if (layout.of_full_strokes) check_static(*layout.of_full_strokes, out);
   if (!layout.switched()) return out;
   const auto triangle = [&](Hertz f, double alpha) {
     out.dynamic.push_back(check_triangle(layout, library, f, alpha));
-    out.dynamic.back().rms_at_limit_percent = check_triangle(layout, spoilt, f, alpha).rms_percent;
+    out.dynamic.back().rms_off_percent = check_triangle(layout, spoilt, f, alpha).rms_percent;
   };
   for (const Hertz f : triangles) triangle(f, 1.0);
   if (layout.amplitude && !triangles.empty())
@@ -163,16 +162,16 @@ Json to_json(const DisturbanceCheck& check) {
   Json out = {{"version", ngspice::version()},
               {"static_percent", check.static_percent},
               {"static_against_program_percent", check.static_against_program},
-              {"multipliers_at_limit",
-               {{"static_percent", check.limit_percent},
-                {"predicted_percent", check.limit_predicted_percent},
-                {"against_program_percent", check.limit_against_program}}},
+              {"multipliers_off",
+               {{"static_percent", check.off_percent},
+                {"predicted_percent", check.off_predicted_percent},
+                {"against_program_percent", check.off_against_program}}},
               {"dynamic", Json::array()}};
   for (const DisturbanceCheck::Dynamic& one : check.dynamic) {
     out["dynamic"].push_back({{"frequency_hz", one.frequency.value},
                               {"alpha", one.alpha},
                               {"rms_percent", one.rms_percent},
-                              {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
+                              {"rms_multipliers_off_percent", one.rms_off_percent},
                               {"peak_percent", one.peak_percent},
                               {"detector_delay_s", one.delay_s},
                               {"late_share", one.late_share}});

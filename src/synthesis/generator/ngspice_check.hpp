@@ -15,18 +15,18 @@ struct DisturbanceCheck {
   double static_percent =
       0.0;  ///< greatest |d - wanted| over x in [0, 1], all branches and strokes, percent of the range of x
   double static_against_program = 0.0;  ///< the same against the program's own figures
-  /// Every multiplier's errors at their limits, static: greatest |d - wanted| in ngspice, by the program, and
-  /// the greatest difference of the two, percent of range.
-  double limit_percent = 0.0, limit_predicted_percent = 0.0, limit_against_program = 0.0;
+  /// multipliers_off(), static: greatest |d - wanted| in ngspice, by the program, and the greatest difference of
+  /// the two, percent of range.
+  double off_percent = 0.0, off_predicted_percent = 0.0, off_against_program = 0.0;
 
   struct Dynamic {
     Hertz frequency;
-    double alpha = 1.0;                 ///< the stroke
-    double rms_percent = 0.0;           ///< second period of a triangle, slope detector and switch included
-    double peak_percent = 0.0;          ///< greatest |error| of it
-    double late_share = 0.0;            ///< share of the period in which the branch is the wrong one
-    double delay_s = 0.0;               ///< of the slope detector, mean of both reversals
-    double rms_at_limit_percent = 0.0;  ///< with every multiplier's errors at their limits
+    double alpha = 1.0;            ///< the stroke
+    double rms_percent = 0.0;      ///< second period of a triangle, slope detector and switch included
+    double peak_percent = 0.0;     ///< greatest |error| of it
+    double late_share = 0.0;       ///< share of the period in which the branch is the wrong one
+    double delay_s = 0.0;          ///< of the slope detector, mean of both reversals
+    double rms_off_percent = 0.0;  ///< with multipliers_off()
   };
   std::vector<Dynamic> dynamic;
 
@@ -42,8 +42,7 @@ struct DisturbanceCheck {
 
 /// Static sweeps of every branch, a triangle of 0 to 1 V at each frequency through the slope detector (with amplitude
 /// gains at the last one also at the table's middle stroke), one change of branch. Needs ngspice.
-DisturbanceCheck check_disturbance(const DisturbanceCircuit& layout, const std::vector<Hertz>& triangles,
-                                   const ErrorLimits& errors = {});
+DisturbanceCheck check_disturbance(const DisturbanceCircuit& layout, const std::vector<Hertz>& triangles);
 
 /// "ngspice" of layout.json.
 Json to_json(const DisturbanceCheck& check);

@@ -57,14 +57,12 @@ double lag_s(const DisturbanceCircuit& layout) {
   return 0.0;
 }
 
-SwitchFigures::Late late_figures(const DisturbanceCircuit& layout, Hertz f, double delay_s,
-                                 const ErrorLimits& errors) {
+SwitchFigures::Late late_figures(const DisturbanceCircuit& layout, Hertz f, double delay_s) {
   SwitchFigures::Late out{.frequency = f, .delay_s = delay_s};
   const double period = 1.0 / f.value, lag = lag_s(layout);
   constexpr int kSteps = 4000;
   const RestWiring wiring(layout);
-  const schematic::Deviations good = schematic::Deviations::none(layout),
-                              limit = multipliers_at_limit(layout, errors);
+  const schematic::Deviations good = schematic::Deviations::none(layout), limit = multipliers_off(layout, {});
   for (int select = 0; select < (1 << layout.select_lines()); ++select) {
     const int up = layout.branch_at(select, true), down = layout.branch_at(select, false);
     if (up < 0) continue;
@@ -94,7 +92,7 @@ SwitchFigures::Late late_figures(const DisturbanceCircuit& layout, Hertz f, doub
       rms = std::max(rms, std::sqrt(sum));
     };
     errors_of(good, out.rms_percent, &out.peak_percent);
-    errors_of(limit, out.rms_at_limit_percent, nullptr);
+    errors_of(limit, out.rms_off_percent, nullptr);
     const auto step = [&](double at) {
       return 100.0 * std::abs(layout.realised(static_cast<size_t>(up), at) -
                               layout.realised(static_cast<size_t>(down), at));
@@ -166,8 +164,7 @@ double switch_glitch_v(const DisturbanceCircuit& layout, double held_v, double c
   return out;
 }
 
-Timing make_timing(const DisturbanceCircuit& layout, const std::vector<Hertz>& frequencies,
-                   const ErrorLimits& errors) {
+Timing make_timing(const DisturbanceCircuit& layout, const std::vector<Hertz>& frequencies) {
   Timing out;
   if (!layout.switched()) return out;
   const SwitchModel& model = layout.analog_switch;
@@ -191,7 +188,7 @@ Timing make_timing(const DisturbanceCircuit& layout, const std::vector<Hertz>& f
                                            : 0.0);
   for (const SlopeDetectorFigures::Delay& one : out.detector.delays) {
     if (one.triangle_s)
-      s.late.push_back(late_figures(layout, one.frequency, *one.triangle_s + model.on_delay_s, errors));
+      s.late.push_back(late_figures(layout, one.frequency, *one.triangle_s + model.on_delay_s));
   }
   return out;
 }

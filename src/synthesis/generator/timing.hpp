@@ -47,8 +47,8 @@ struct SwitchFigures {
     double delay_s = 0.0;
     double step_percent = 0.0;  ///< greatest |d_wrong - d_right| before the new branch comes
     double rms_percent = 0.0;   ///< of the whole period against the polynomials: parts, lags, late switching
-    double rms_at_limit_percent = 0.0;  ///< the same with every multiplier's errors at their limits
-    double peak_percent = 0.0;          ///< greatest |error| of the period, without the glitch
+    double rms_off_percent = 0.0;  ///< the same with multipliers_off()
+    double peak_percent = 0.0;     ///< greatest |error| of the period, without the glitch
   };
   std::vector<Late> late;
 };
@@ -59,8 +59,7 @@ struct Timing {
 };
 
 /// `frequencies` of the reference. Empty figures for a layout with one branch.
-Timing make_timing(const DisturbanceCircuit& layout, const std::vector<Hertz>& frequencies,
-                   const ErrorLimits& errors = {});
+Timing make_timing(const DisturbanceCircuit& layout, const std::vector<Hertz>& frequencies);
 
 /// Glitch at the output for a branch node at `held_v` when the switch opens, V: greatest departure from the
 /// output's value before. With tau = hold time, w = the output amplifier's closed-loop bandwidth,

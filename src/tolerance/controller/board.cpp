@@ -73,7 +73,7 @@ Input input_of(const tracking::Reference& reference, Hertz operating, std::size_
   return out;
 }
 
-Board::Board(const generator::RestWiring& wiring, const Copy& copy, const Board* like)
+Board::Board(const generator::RestWiring& wiring, const generator::Copy& copy, const Board* like)
     : wiring_(wiring),
       off_(copy.off),
       rest_(wiring, copy.off, like != nullptr ? &like->rest_ : nullptr),

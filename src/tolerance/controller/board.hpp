@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "synthesis/generator/at_rest.hpp"
-#include "tolerance/controller/errors.hpp"
+#include "synthesis/generator/part_errors.hpp"
 #include "tracking/reference.hpp"
 
 namespace bodesmith::tolerance {
@@ -27,7 +27,7 @@ Input input_of(const tracking::Reference& reference, Hertz operating, std::size_
 class Board {
  public:
   /// `like`: another copy of the same wiring; where most parts are the same, this one is made several times quicker.
-  Board(const generator::RestWiring& wiring, const Copy& copy, const Board* like = nullptr);
+  Board(const generator::RestWiring& wiring, const generator::Copy& copy, const Board* like = nullptr);
 
   /// v over one repeat in steady state.
   std::vector<double> drive(const Input& input) const;

@@ -50,11 +50,6 @@ Json shares_json(const std::vector<Share>& shares, std::size_t most) {
 
 Json study_json(const ControllerReport& report, const generator::DisturbanceCircuit& controller) {
   const Study& study = report.study;
-  Json assumed;
-  for (const PartErrors::Named& one : PartErrors::names()) assumed[one.name] = report.errors.*one.value;
-  assumed["distribution"] =
-      "resistors, capacitors and references uniform within the tolerance; all others normal, the figure being one "
-      "standard deviation, cut at three";
   Json checked = Json::array();
   for (const DrawCheck& one : report.checked) {
     checked.push_back({{"draw", one.draw},
@@ -63,7 +58,7 @@ Json study_json(const ControllerReport& report, const generator::DisturbanceCirc
                        {"ngspice_percent", one.ngspice_percent},
                        {"drive_difference_rms_percent", one.drive_rms_percent}});
   }
-  return {{"assumed", assumed},
+  return {{"assumed", to_json(report.errors)},
           {"held_stroke_low_percent",
            controller.stroke ? Json(100.0 * controller.stroke->held_off(1.0)) : Json(nullptr)},
           {"checked_in_ngspice", checked},

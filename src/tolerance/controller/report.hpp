@@ -11,7 +11,7 @@ namespace bodesmith::tolerance {
 
 /// What is known of a controller's parts: how far they put it off, what trimming brings, whether its loop is stable.
 struct ControllerReport {
-  PartErrors errors;
+  generator::PartErrors errors;
   Study study;
   TrimStudy trims;
   generator::LoopStability loop;

@@ -25,7 +25,7 @@ struct OneAtATime {
 };
 
 OneAtATime one_at_a_time(const Bench& bench, const DisturbanceCircuit& controller,
-                         const std::vector<Cause>& causes, int threads) {
+                         const std::vector<generator::Cause>& causes, int threads) {
   const Board nominal(bench.wiring(), copy_of(controller, {}, {}));
   std::vector<std::vector<double>> y;
   for (std::size_t f = 0; f < bench.frequencies(); ++f) y.push_back(bench.displacement(nominal, f));
@@ -47,7 +47,7 @@ OneAtATime one_at_a_time(const Bench& bench, const DisturbanceCircuit& controlle
   return out;
 }
 
-void take_shares(const OneAtATime& alone, const std::vector<Cause>& causes, Study& out) {
+void take_shares(const OneAtATime& alone, const std::vector<generator::Cause>& causes, Study& out) {
   double total = 0.0;
   for (const double square : alone.mean_square) total += square;
   if (!(total > 0.0)) return;
@@ -127,7 +127,7 @@ std::vector<double> Bench::errors_percent(const Board& board) const {
 Study study_errors(const DisturbanceCircuit& controller, const tracking::Stage& stage,
                    const StudyOptions& options) {
   const Bench bench(controller, stage, options);
-  const std::vector<Cause> causes = causes_of(controller, options.errors);
+  const std::vector<generator::Cause> causes = causes_of(controller, options.errors);
   const int threads = thread_count(options.threads);
   Study out;
   out.frequencies = options.frequencies;
@@ -163,14 +163,14 @@ Study study_errors(const DisturbanceCircuit& controller, const tracking::Stage& 
 std::vector<DrawCheck> check_draws(const generator::DisturbanceCircuit& controller,
                                    const tracking::Stage& stage, const StudyOptions& options, int count) {
   const Bench bench(controller, stage, options);
-  const std::vector<Cause> causes = causes_of(controller, options.errors);
+  const std::vector<generator::Cause> causes = causes_of(controller, options.errors);
   std::vector<DrawCheck> out(static_cast<std::size_t>(count));
   parallel_for(out.size(), thread_count(options.threads), [&](std::size_t i) {
     DrawCheck& one = out[i];
     const std::size_t f = i % bench.frequencies();
     one.draw = i;
     one.frequency = options.frequencies[f];
-    const Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
+    const generator::Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
     const Board board(bench.wiring(), copy);
     generator::DisturbanceCircuit built = controller;
     const auto faster = [&](schematic::OpAmpModel& type) {

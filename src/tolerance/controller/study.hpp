@@ -10,7 +10,7 @@
 namespace bodesmith::tolerance {
 
 struct StudyOptions {
-  PartErrors errors;
+  generator::PartErrors errors;
   std::vector<Hertz> frequencies;
   tracking::Reference reference;
   std::uint64_t draws = 1000;

@@ -16,7 +16,7 @@ struct Trim {
   std::string unit;           ///< of its setting: "V", or "" for a relative change
   double unit_setting = 0.0;  ///< what one thousandth of its usual range is, about
   double limit = 0.0;         ///< of the setting, either side: more is not to be had this way
-  std::function<void(Copy&, double setting)> apply;
+  std::function<void(generator::Copy&, double setting)> apply;
 };
 /// Every trim of a controller, the usual ones first.
 std::vector<Trim> trims_of(const generator::DisturbanceCircuit& controller);

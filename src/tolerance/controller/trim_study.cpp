@@ -70,7 +70,7 @@ TrimModel::TrimModel(const generator::DisturbanceCircuit& controller, const trac
   StudyOptions coarse = options;
   coarse.samples = 64;
   const Bench bench(controller, stage, coarse);
-  const std::vector<Cause> causes = causes_of(controller, options.errors);
+  const std::vector<generator::Cause> causes = causes_of(controller, options.errors);
   causes_ = causes.size();
   const Input& fastest = bench.input(bench.frequencies() - 1);
   const auto see = [&](const Board& board, std::vector<double>& waves, std::vector<double>& readings) {
@@ -87,7 +87,7 @@ TrimModel::TrimModel(const generator::DisturbanceCircuit& controller, const trac
   std::vector<std::vector<double>> waves(columns);
   moved_.resize(columns);
   parallel_for(columns, thread_count(options.threads), [&](std::size_t i) {
-    Copy copy = copy_of(controller, {}, {});
+    generator::Copy copy = copy_of(controller, {}, {});
     if (i < causes_) {
       causes[i].apply(copy, causes[i].departure.deviation());
     } else {
@@ -290,8 +290,8 @@ std::vector<TrimStep> TrimModel::choose(int count, int rounds, std::vector<doubl
 class BlindUser {
  public:
   /// `untrimmed`: that copy's board.
-  BlindUser(const Bench& bench, const Copy& copy, const Board& untrimmed, const TrimOptions& options,
-            std::uint64_t seed)
+  BlindUser(const Bench& bench, const generator::Copy& copy, const Board& untrimmed,
+            const TrimOptions& options, std::uint64_t seed)
       : bench_(bench), copy_(copy), untrimmed_(untrimmed), options_(options), noise_(seed) {}
 
   /// The board as it is left behind.
@@ -305,7 +305,7 @@ class BlindUser {
 
  private:
   Board with(const std::vector<TrimStep>& steps, const std::vector<double>& settings) const {
-    Copy trimmed = copy_;
+    generator::Copy trimmed = copy_;
     for (std::size_t k = 0; k < steps.size(); ++k) steps[k].trim.apply(trimmed, settings[k]);
     return Board(bench_.wiring(), trimmed, &untrimmed_);
   }
@@ -324,7 +324,7 @@ class BlindUser {
   }
 
   const Bench& bench_;
-  const Copy& copy_;
+  const generator::Copy& copy_;
   const Board& untrimmed_;
   const TrimOptions& options_;
   Random noise_;
@@ -343,10 +343,10 @@ TrimStudy study_trims(const generator::DisturbanceCircuit& controller, const tra
   out.steps = model.choose(trims.trims, trims.rounds, out.foreseen_share);
   out.rounds = out.steps.size() > 1 ? trims.rounds : 1;
   const Bench bench(controller, stage, options);
-  const std::vector<Cause> causes = causes_of(controller, options.errors);
+  const std::vector<generator::Cause> causes = causes_of(controller, options.errors);
   std::vector<std::vector<double>> before(trims.draws), after(trims.draws);
   parallel_for(trims.draws, thread_count(options.threads), [&](std::size_t i) {
-    const Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
+    const generator::Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
     const Board board(bench.wiring(), copy);
     before[i] = untrimmed != nullptr && i < untrimmed->percent.size() ? untrimmed->percent[i]
                                                                       : bench.errors_percent(board);

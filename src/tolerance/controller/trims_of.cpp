@@ -30,16 +30,17 @@ void add_multiplier_trims(const DisturbanceCircuit& c, int index, std::vector<Tr
     out.push_back({"offset of " + m.name,
                    fmt::format("pin Z of {} ({}): {}", m.name, m.role, divided_down(kOffsetRange)), "V",
                    2.0 * kOffsetRange / kSteps, kOffsetRange,
-                   [i](Copy& copy, double value) { copy.off.multiplier[i].w += value; }});
+                   [i](generator::Copy& copy, double value) { copy.off.multiplier[i].w += value; }});
   }
   out.push_back(
       {"gain of " + m.name,
        fmt::format("scale of {} ({}): 1 kohm as the data sheet's scale adjustment, +-5 %", m.name, m.role),
-       "", 0.1 / kSteps, 0.05, [i](Copy& copy, double value) { copy.off.multiplier[i].scale += value; }});
+       "", 0.1 / kSteps, 0.05,
+       [i](generator::Copy& copy, double value) { copy.off.multiplier[i].scale += value; }});
   out.push_back({"input of " + m.name,
                  fmt::format("pin X2 of {} ({}): {}", m.name, m.role, divided_down(kOffsetRange)), "V",
                  2.0 * kOffsetRange / kSteps, kOffsetRange,
-                 [i](Copy& copy, double value) { copy.off.multiplier[i].x += value; }});
+                 [i](generator::Copy& copy, double value) { copy.off.multiplier[i].x += value; }});
 }
 
 void add_part_trim(const DisturbanceCircuit& c, int part, const std::string& name, double range,
@@ -51,7 +52,7 @@ void add_part_trim(const DisturbanceCircuit& c, int part, const std::string& nam
                  fmt::format("{} ({}, {}): {} less, with a potentiometer of {} in series", one.name, one.role,
                              ohm(one.realised), ohm(range * one.realised), ohm(2.0 * range * one.realised)),
                  "", 2.0 * range / kSteps, range,
-                 [i](Copy& copy, double value) { copy.off.part[i] += value; }});
+                 [i](generator::Copy& copy, double value) { copy.off.part[i] += value; }});
 }
 
 }  // namespace
@@ -68,7 +69,8 @@ std::vector<Trim> trims_of(const DisturbanceCircuit& controller) {
       {"output offset",
        fmt::format("{} (subtraction): 10 kohm between +2.5 V and -2.5 V, its wiper through {} to node {}",
                    c.op(output.opamp).name, ohm(feedback * 2.5 / kOffsetRange), c.op(output.opamp).minus),
-       "V", 2.0 * kOffsetRange / kSteps, kOffsetRange, [opamp, noise_gain](Copy& copy, double value) {
+       "V", 2.0 * kOffsetRange / kSteps, kOffsetRange,
+       [opamp, noise_gain](generator::Copy& copy, double value) {
          copy.off.opamp_offset_v[opamp] += value / noise_gain;
        }});
   add_part_trim(c, output.feedback, "generator gain", 0.05, out);

@@ -8,12 +8,12 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "schematic/analysis/in_time.hpp"
+#include "schematic/analysis/operating_point.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/controller/as_built.hpp"
 #include "synthesis/controller/seed_controller.hpp"
 #include "synthesis/controller/study.hpp"
 #include "synthesis/generator/at_rest.hpp"
-#include "tolerance/controller/operating_point.hpp"
 
 namespace bodesmith::generator {
 namespace {

@@ -1,4 +1,5 @@
 // A dialect from outside the library: one class and one line that registers it.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +32,7 @@ TEST(OwnDialect, IsEmittedWithTheOthers) {
   const Realised made = realise(seed_sections());
   const TemporaryFolder folder;
   OutputSet out(folder / "made");
-  add_compensator_files(made, "seed", out);
+  add_compensator_files(made, "seed", {}, out);
   out.commit();
   for (const char* file :
        {"compensator.sub", "parts.csv", "ac.cir", "transient.cir", "noise.cir", "monte_carlo_ngspice.cir",
@@ -46,12 +47,18 @@ TEST(OwnDialect, IsEmittedWithTheOthers) {
 
 TEST(CompensatorFiles, HaveTheFilesOfAKicadProject) {
   OutputSet out;
-  add_compensator_files(realise(seed_sections()), "seed", out);
+  add_compensator_files(realise(seed_sections()), "seed",
+                        {.resistor_percent = 0.25, .capacitor_percent = 2.5}, out);
   const auto paths = out.paths();
   for (const char* file :
        {"compensator.kicad_pro", "compensator.kicad_sch", "bodesmith.kicad_sym", "sym-lib-table"}) {
     EXPECT_NE(std::find(paths.begin(), paths.end(), std::filesystem::path(file)), paths.end()) << file;
   }
+  // What is ordered is what the decks draw.
+  const std::string ordered = *out.content("bom.csv");
+  EXPECT_THAT(ordered, testing::AllOf(testing::HasSubstr(",0.25%,"), testing::HasSubstr(",2.5%,"),
+                                      testing::Not(testing::HasSubstr(",1%,"))));
+  EXPECT_THAT(*out.content("monte_carlo_ngspice.cir"), testing::HasSubstr("within 0.25 % (R) and 2.5 % (C)"));
 }
 
 }  // namespace

@@ -199,7 +199,7 @@ TEST(Layout, AmplitudeGainsFollowTheirTable) {
   const auto line = std::find_if(budget.lines.begin(), budget.lines.end(),
                                  [](const BudgetLine& one) { return one.cause == "Mha, offset of W"; });
   ASSERT_NE(line, budget.lines.end());
-  EXPECT_NEAR(line->percent[0], 100.0 * budget.errors.output_offset_v / layout.branch_gain, 1e-7);
+  EXPECT_NEAR(line->percent[0], 100.0 * budget.errors.multiplier_output_v / layout.branch_gain, 1e-7);
   // What stands beside it for full strokes has no such multiplier.
   ASSERT_NE(layout.of_full_strokes, nullptr);
   EXPECT_EQ(layout.of_full_strokes->multipliers.size() + 2, layout.multipliers.size());
@@ -226,10 +226,10 @@ TEST(Layout, AmplitudeGainsThatVanishOrChangeTheirSignAreMadeByTheProductAlone) 
 }
 
 TEST(Budget, CausesByHand) {
-  ErrorLimits errors;
-  errors.output_offset_v = 10e-3;
-  errors.opamp_offset_v = 1e-3;
   Options options;
+  PartErrors errors;
+  errors.multiplier_output_v = 10e-3;
+  errors.opamp_offset_share = 1e-3 / options.opamp.offset_v;
   options.resistors = synthesis::Series::named("exact");
   const DisturbanceCircuit layout = make_layout(seed_disturbance(), options);
   const Budget budget = make_budget(layout, errors);
@@ -245,7 +245,7 @@ TEST(Budget, CausesByHand) {
   EXPECT_NEAR(w3[0], 100.0 * 0.01 * 0.2887 * 1.05 * 1.05, 1e-9);
   EXPECT_NEAR(w3[1], 100.0 * 0.01 * 0.156 * 1.05 * 1.05, 1e-9);
   // The output amplifier's offset comes with its noise gain.
-  EXPECT_NEAR(cause(budget, "U3 (output amplifier), offset")[0],
+  EXPECT_NEAR(cause(budget, "U3, offset")[0],
               100.0 * 1e-3 * (1.0 + 1.0 / layout.branch_gain), 1e-9);
   EXPECT_GE(budget.worst_percent[0], budget.rss_percent[0]);
   // In Horner's scheme the last product's offset is 10 mV/branch_gain of d.

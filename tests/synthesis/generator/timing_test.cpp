@@ -85,7 +85,7 @@ TEST(SwitchFigures, TheErrorIsTheWrongBranchForTheDelay) {
   EXPECT_LT(late.rms_percent, 1.3 * std::sqrt(square) + 2.0 * own);
   EXPECT_GE(late.peak_percent, 0.7 * late.step_percent);
   EXPECT_LT(late.peak_percent, 1.5 * late.step_percent + 0.2);
-  EXPECT_GT(late.rms_at_limit_percent, late.rms_percent);
+  EXPECT_GT(late.rms_off_percent, late.rms_percent);
 }
 
 // The open node decays through Rin from the held voltage and the charge; the amplifier follows with its closed-loop bandwidth, its

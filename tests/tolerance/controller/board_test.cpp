@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "schematic/analysis/operating_point.hpp"
 #include "synthesis/controller/library.hpp"
 #include "synthesis/controller/seed_controller.hpp"
-#include "tolerance/controller/errors.hpp"
-#include "tolerance/controller/operating_point.hpp"
+#include "synthesis/generator/part_errors.hpp"
 
 namespace bodesmith::tolerance {
 namespace {
@@ -68,11 +68,11 @@ double rest_by_all_equations(const generator::RestWiring& wiring, const schemati
 TEST(Board, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
   const generator::DisturbanceCircuit& c = tight_controller();
   const generator::RestWiring wiring(c);
-  const std::vector<Cause> causes = causes_of(c, {});
+  const std::vector<generator::Cause> causes = causes_of(c, {});
   const double full = 100.0 * c.slope->volts_per_hz;
   double worst = 0.0;
   for (std::uint64_t draw = 0; draw < kCopies; ++draw) {
-    const Copy copy = copy_of(c, causes, draw_values(causes, 1, draw));
+    const generator::Copy copy = copy_of(c, causes, draw_values(causes, 1, draw));
     const Board board(wiring, copy);
     const double r = static_cast<double>(draw % 97) / 96.0,
                  slope_v = -full * static_cast<double>(draw % 13) / 12.0;
@@ -87,11 +87,11 @@ TEST(Board, TheSlopeMeterAtRestIsItsNetlist) {
   const generator::DisturbanceCircuit& c = tight_controller();
   const schematic::Netlist meter = schematic::subset(
       c, [&](std::size_t group) { return c.purpose_of(group) == schematic::Purpose::slope_meter; });
-  const std::vector<Cause> causes = causes_of(c, {});
+  const std::vector<generator::Cause> causes = causes_of(c, {});
   const schematic::RestOrder order(meter, {"r"});
   int conducts = 0, blocks = 0;
   for (std::uint64_t draw = 0; draw < 40; ++draw) {
-    const Copy copy = copy_of(c, causes, draw_values(causes, 3, draw));
+    const generator::Copy copy = copy_of(c, causes, draw_values(causes, 3, draw));
     const auto gains = generator::SlopeMeterGains::of(c, copy.off);
     const double volts = gains.output_v(0.0);
     schematic::RestPoint rest(order, copy.off.of_part(meter, c));
@@ -112,7 +112,7 @@ TEST(Board, TheSlopeMeterAtRestIsItsNetlist) {
 /// generator makes by differences. Delays as first order in the slopes, each amplifier's its noise gain over 2 pi GBW.
 class SlowDrive {
  public:
-  SlowDrive(const generator::RestWiring& wiring, const Copy& copy)
+  SlowDrive(const generator::RestWiring& wiring, const generator::Copy& copy)
       : c_(wiring.circuit), rest_(wiring, copy.off) {
     const double per_gain =
         1.0 / (2.0 * std::numbers::pi * c_.opamp.gain_bandwidth.value * (1.0 + copy.speed));
@@ -156,10 +156,10 @@ class SlowDrive {
 TEST(Board, AThousandDrawnCopiesDriveAsTheNetlistSolvedAtEverySample) {
   const generator::DisturbanceCircuit& c = tight_controller();
   const generator::RestWiring wiring(c);
-  const std::vector<Cause> causes = causes_of(c, {});
+  const std::vector<generator::Cause> causes = causes_of(c, {});
   double worst = 0.0;
   for (std::uint64_t draw = 0; draw < kCopies; ++draw) {
-    const Copy copy = copy_of(c, causes, draw_values(causes, 1, draw));
+    const generator::Copy copy = copy_of(c, causes, draw_values(causes, 1, draw));
     const Board board(wiring, copy);
     const Input input = input_of(tracking::Reference(), generator::seed_frequencies()[draw % 7], 16);
     const std::vector<double> v = board.drive(input), sn = board.slope_voltage(input);

@@ -30,15 +30,17 @@ const ControllerReport& seed_report() {
 }
 
 TEST(PartErrors, ATableSetsWhatItNamesAndNothingElse) {
-  for (const PartErrors::Named& one : PartErrors::names()) {
-    const PartErrors read =
-        PartErrors::from_node(parse_json(fmt::format(R"({{"{}": 7.5}})", one.name), "e.json"));
-    for (const PartErrors::Named& other : PartErrors::names())
-      EXPECT_EQ(read.*other.value, other.value == one.value ? 7.5 : PartErrors().*other.value) << one.name;
-    EXPECT_THROW(PartErrors::from_node(parse_json(fmt::format(R"({{"{}": -1}})", one.name), "e.json")),
-                 InputError);
+  for (const generator::PartErrors::Named& one : generator::PartErrors::names()) {
+    const generator::PartErrors read =
+        generator::PartErrors::from_node(parse_json(fmt::format(R"({{"{}": 7.5}})", one.name), "e.json"));
+    for (const generator::PartErrors::Named& other : generator::PartErrors::names())
+      EXPECT_EQ(read.*other.value, other.value == one.value ? 7.5 : generator::PartErrors().*other.value)
+          << one.name;
+    EXPECT_THROW(
+        generator::PartErrors::from_node(parse_json(fmt::format(R"({{"{}": -1}})", one.name), "e.json")),
+        InputError);
   }
-  EXPECT_THROW(PartErrors::from_node(parse_json(R"({"resistor": 1})", "e.json")), InputError);
+  EXPECT_THROW(generator::PartErrors::from_node(parse_json(R"({"resistor": 1})", "e.json")), InputError);
 }
 
 TEST(ControllerReport, ThePageTellsSharesAndFiguresOfTheStudy) {

@@ -47,8 +47,8 @@ TEST(PartErrors, SharesExplainWhatIsDrawnAndTheMultipliersLead) {
 }
 
 TEST(PartErrors, NothingOffIsTheNominalBoard) {
-  PartErrors none;
-  for (const PartErrors::Named& one : PartErrors::names()) none.*one.value = 0.0;
+  generator::PartErrors none;
+  for (const generator::PartErrors::Named& one : generator::PartErrors::names()) none.*one.value = 0.0;
   StudyOptions options = study_options(3);
   options.errors = none;
   const tracking::PolynomialStage stage(generator::seed_disturbance());
@@ -60,7 +60,7 @@ TEST(PartErrors, NothingOffIsTheNominalBoard) {
 }
 
 TEST(PartErrors, DrawnValuesHaveTheirDistributions) {
-  const std::vector<Cause> causes = causes_of(generator::seed_controller(), {});
+  const std::vector<generator::Cause> causes = causes_of(generator::seed_controller(), {});
   std::vector<double> square(causes.size(), 0.0);
   const int n = 4000;
   for (std::uint64_t k = 0; k < n; ++k) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "synthesis/controller/seed_controller.hpp"
+#include "synthesis/generator/copy_numbers.hpp"
 
 namespace bodesmith::tolerance {
 namespace {
@@ -74,6 +75,26 @@ TEST(Trim, OtherDisturbancesHaveTheirOwnTrims) {
   EXPECT_GE(study.steps.size(), 2u);
   EXPECT_LT(study.after.p95_percent, 0.5 * study.before.p95_percent);
   for (const TrimStep& step : study.steps) EXPECT_NE(step.reading.words(c, made.tracked.back()), "");
+}
+
+TEST(Causes, TrimsMoveWhatTheyNameByTheirSetting) {
+  const generator::DisturbanceCircuit& c = generator::seed_controller();
+  for (const Trim& trim : trims_of(c)) {
+    generator::Copy copy = copy_of(c, {}, {});
+    trim.apply(copy, 0.01);
+    double sum = 0.0, most = 0.0;
+    for (const double v : numbers_of(copy)) sum += v, most = std::max(most, std::abs(v));
+    EXPECT_EQ(sum, most) << trim.name;  // one number, upwards
+    if (trim.name == "output offset") {
+      // At the output: less at the op-amp's input by its noise gain.
+      EXPECT_GT(most, 0.0);
+      EXPECT_LT(most, 0.01);
+    } else {
+      EXPECT_EQ(most, 0.01) << trim.name;
+    }
+    EXPECT_NEAR(trim.unit_setting, 2.0 * trim.limit / 1000.0, 1e-15) << trim.name;
+    EXPECT_EQ(trim.limit, trim.unit == "V" ? 0.03 : trim.name == "reference gain" ? 0.01 : 0.05) << trim.name;
+  }
 }
 
 }  // namespace

@@ -7,18 +7,17 @@
 #include <vector>
 
 #include "base/documents/document.hpp"
+#include "numeric/departure.hpp"
 #include "schematic/netlist.hpp"
 #include "synthesis/generator/circuit.hpp"
-#include "tolerance/departure.hpp"
 
-namespace bodesmith::tolerance {
+namespace bodesmith::generator {
 
-/// How far the parts of a built controller are off. Resistors, capacitors and references are anywhere within their
+/// How far the parts of a built controller, or of its generator alone, are off. Resistors, capacitors and references are anywhere within their
 /// tolerance (uniform); everything else is normal, the figure being the standard deviation (what data sheets call
 /// typical), cut at three of them. Every part is drawn by itself, but for the op-amps' speed, which is one lot's.
-struct PartErrors {
-  double resistor_percent = 0.1;
-  double capacitor_percent = 1.0;
+struct PartErrors : schematic::Tolerances {
+  PartErrors() : Tolerances{.resistor_percent = 0.1, .capacitor_percent = 1.0} {}
   double reference_percent = 0.05;
   double multiplier_input_v = 3e-3;   ///< offset of X and of Y; the other input's feedthrough is that over U
   double multiplier_output_v = 5e-3;  ///< offset of W
@@ -58,11 +57,16 @@ struct Cause {
 };
 
 /// Every part of the controller, in the order of the description.
-std::vector<Cause> causes_of(const generator::DisturbanceCircuit& controller, const PartErrors& errors);
+std::vector<Cause> causes_of(const DisturbanceCircuit& controller, const PartErrors& errors);
 
 /// Values of all causes for copy number `sample`.
 std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t seed, std::uint64_t sample);
-Copy copy_of(const generator::DisturbanceCircuit& controller, const std::vector<Cause>& causes,
+Copy copy_of(const DisturbanceCircuit& controller, const std::vector<Cause>& causes,
              const std::vector<double>& values);
 
-}  // namespace bodesmith::tolerance
+/// Every multiplier with all its departures at one standard deviation, upwards.
+schematic::Deviations multipliers_off(const DisturbanceCircuit& layout, const PartErrors& errors);
+/// Every figure by its name.
+Json to_json(const PartErrors& errors);
+
+}  // namespace bodesmith::generator

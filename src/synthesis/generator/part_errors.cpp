@@ -1,11 +1,10 @@
-#include "tolerance/controller/errors.hpp"
+#include "synthesis/generator/part_errors.hpp"
 
 #include "base/text.hpp"
 
-namespace bodesmith::tolerance {
+namespace bodesmith::generator {
 namespace {
 
-using generator::DisturbanceCircuit;
 using schematic::MultiplierDeviation;
 
 /// Normal numbers are cut here, in standard deviations; the cut leaves 98.66 % of the deviation.
@@ -146,4 +145,21 @@ Copy copy_of(const DisturbanceCircuit& controller, const std::vector<Cause>& cau
   return out;
 }
 
-}  // namespace bodesmith::tolerance
+schematic::Deviations multipliers_off(const DisturbanceCircuit& layout, const PartErrors& errors) {
+  schematic::Deviations out = schematic::Deviations::none(layout);
+  for (MultiplierDeviation& one : out.multiplier)
+    one = {errors.multiplier_input_v, errors.multiplier_input_v, errors.multiplier_output_v,
+           errors.multiplier_scale_percent / 100.0, errors.multiplier_nonlinearity_percent / 100.0};
+  return out;
+}
+
+Json to_json(const PartErrors& errors) {
+  Json out;
+  for (const PartErrors::Named& one : PartErrors::names()) out[one.name] = errors.*one.value;
+  out["distribution"] =
+      "resistors, capacitors and references uniform within the tolerance; all others normal, the figure being one "
+      "standard deviation, cut at three";
+  return out;
+}
+
+}  // namespace bodesmith::generator

@@ -1,4 +1,4 @@
-#include "schematic/analysis/rest_point.hpp"
+#include "synthesis/generator/part_errors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,14 +7,14 @@
 #include <set>
 #include <vector>
 
+#include "schematic/analysis/operating_point.hpp"
+#include "schematic/analysis/rest_point.hpp"
 #include "synthesis/controller/library.hpp"
 #include "synthesis/controller/seed_controller.hpp"
 #include "synthesis/generator/at_rest.hpp"
-#include "tolerance/controller/errors.hpp"
-#include "tolerance/controller/operating_point.hpp"
-#include "tolerance/controller/trim.hpp"
+#include "synthesis/generator/copy_numbers.hpp"
 
-namespace bodesmith::tolerance {
+namespace bodesmith::generator {
 namespace {
 
 /// Greatest difference between the compiled voltages and those of all equations at once.
@@ -34,8 +34,8 @@ double greatest_difference(const schematic::RestOrder& order, const schematic::D
 }
 
 TEST(RestPoint, RestsAtTheSamePlaceWhereverItComesFrom) {
-  const generator::DisturbanceCircuit& c = generator::seed_controller();
-  const generator::RestWiring wiring(c);
+  const DisturbanceCircuit& c = seed_controller();
+  const RestWiring wiring(c);
   const schematic::Deviations off = schematic::Deviations::none(c).of_part(wiring.rate.netlist(), c);
   const int slope = wiring.rate.node("sn");
   schematic::RestPoint moved(wiring.rate, off);
@@ -48,8 +48,8 @@ TEST(RestPoint, RestsAtTheSamePlaceWhereverItComesFrom) {
 }
 
 TEST(RestPoint, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
-  const generator::DisturbanceCircuit& c = generator::seed_controller();
-  const generator::RestWiring wiring(c);
+  const DisturbanceCircuit& c = seed_controller();
+  const RestWiring wiring(c);
   const std::vector<Cause> causes = causes_of(c, {});
   const double full = 100.0 * c.slope->volts_per_hz;
   double worst = 0.0;
@@ -58,27 +58,15 @@ TEST(RestPoint, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
     const double part = static_cast<double>(draw % 97) / 97.0;
     worst = std::max(worst, greatest_difference(wiring.rate, off.of_part(wiring.rate.netlist(), c),
                                                 {{"sn", -1.2 * full * part}}, 0));
-    worst = std::max(
-        worst, greatest_difference(wiring.generator, off.of_part(wiring.generator.netlist(), c),
-                                   {{"r", part}, {generator::kArgument, 1.0 - part}, {"cd", 0.1 * part}},
-                                   static_cast<int>(draw % 2)));
+    worst = std::max(worst, greatest_difference(wiring.generator, off.of_part(wiring.generator.netlist(), c),
+                                                {{"r", part}, {kArgument, 1.0 - part}, {"cd", 0.1 * part}},
+                                                static_cast<int>(draw % 2)));
   }
   EXPECT_LT(worst, 1e-12);
 }
 
-/// Every number of a copy, one behind the other.
-std::vector<double> numbers_of(const Copy& copy) {
-  std::vector<double> out = copy.off.part;
-  const auto add = [&](const std::vector<double>& more) { out.insert(out.end(), more.begin(), more.end()); };
-  add(copy.off.opamp_offset_v);
-  add(copy.off.source);
-  for (const schematic::MultiplierDeviation& m : copy.off.multiplier) add({m.x, m.y, m.w, m.scale, m.bend});
-  add({copy.off.switch_relative, copy.off.switch_charge_c, copy.off.switch_delay_s, copy.speed, copy.timing});
-  return out;
-}
-
 TEST(Causes, EachMovesItsOwnNumberAndNoOther) {
-  const generator::DisturbanceCircuit& c = generator::seed_controller();
+  const DisturbanceCircuit& c = seed_controller();
   const std::vector<Cause> causes = causes_of(c, {});
   std::set<std::size_t> moved;
   for (const Cause& cause : causes) {
@@ -105,7 +93,7 @@ TEST(Causes, EachMovesItsOwnNumberAndNoOther) {
 }
 
 TEST(Causes, AFigureOfNothingTakesItsOwnAway) {
-  const generator::DisturbanceCircuit& c = generator::seed_controller();
+  const DisturbanceCircuit& c = seed_controller();
   const std::size_t all = causes_of(c, {}).size();
   std::size_t taken = 0;
   for (const PartErrors::Named& one : PartErrors::names()) {
@@ -127,25 +115,5 @@ TEST(Causes, AFigureOfNothingTakesItsOwnAway) {
   EXPECT_EQ(taken, all);
 }
 
-TEST(Causes, TrimsMoveWhatTheyNameByTheirSetting) {
-  const generator::DisturbanceCircuit& c = generator::seed_controller();
-  for (const Trim& trim : trims_of(c)) {
-    Copy copy = copy_of(c, {}, {});
-    trim.apply(copy, 0.01);
-    double sum = 0.0, most = 0.0;
-    for (const double v : numbers_of(copy)) sum += v, most = std::max(most, std::abs(v));
-    EXPECT_EQ(sum, most) << trim.name;  // one number, upwards
-    if (trim.name == "output offset") {
-      // At the output: less at the op-amp's input by its noise gain.
-      EXPECT_GT(most, 0.0);
-      EXPECT_LT(most, 0.01);
-    } else {
-      EXPECT_EQ(most, 0.01) << trim.name;
-    }
-    EXPECT_NEAR(trim.unit_setting, 2.0 * trim.limit / 1000.0, 1e-15) << trim.name;
-    EXPECT_EQ(trim.limit, trim.unit == "V" ? 0.03 : trim.name == "reference gain" ? 0.01 : 0.05) << trim.name;
-  }
-}
-
 }  // namespace
-}  // namespace bodesmith::tolerance
+}  // namespace bodesmith::generator

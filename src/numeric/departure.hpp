@@ -9,7 +9,7 @@
 #include "numeric/random.hpp"
 
 /// What drawn copies have in common, whatever is made of them: numbers of their own.
-namespace bodesmith::tolerance {
+namespace bodesmith {
 
 /// How far one quantity of a built copy may be off.
 struct Departure {
@@ -52,4 +52,4 @@ void for_each_drawn(std::uint64_t seed, std::uint64_t copy, std::size_t count, c
   }
 }
 
-}  // namespace bodesmith::tolerance
+}  // namespace bodesmith

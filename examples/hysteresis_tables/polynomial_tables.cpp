@@ -63,8 +63,8 @@ int main() {
   const Branches base = split(slow, scale, 0.0);
   const PolynomialFit down = fit_polynomial(base.x[0], base.d[0]);
   const PolynomialFit up = fit_polynomial(base.x[1], base.d[1]);
-  const double sine_down = fit_sine(base.x[0], base.d[0]).amplitude;
-  const double sine_up = fit_sine(base.x[1], base.d[1]).amplitude;
+  const double sine_down = fit_sine(base.x[0], base.d[0]);
+  const double sine_up = fit_sine(base.x[1], base.d[1]);
   fmt::print(
       "1 Hz polynomials: ascending {:.4f} x {:+.4f} x2 {:+.4f} x3, descending {:.4f} x {:+.4f} x2 {:+.4f} "
       "x3\n",
@@ -98,8 +98,8 @@ int main() {
     const double k_up = disturbance_gain(up.a, a_up), k_down = disturbance_gain(down.a, a_down);
     const double p_up = disturbance_gain(up.a, a_up, GainReading::as_printed),
                  p_down = disturbance_gain(down.a, a_down, GainReading::as_printed);
-    const double s_up = fit_sine(now.x[1], now.d[1]).amplitude / sine_up,
-                 s_down = fit_sine(now.x[0], now.d[0]).amplitude / sine_down;
+    const double s_up = fit_sine(now.x[1], now.d[1]) / sine_up,
+                 s_down = fit_sine(now.x[0], now.d[0]) / sine_down;
     const double pn = track(settings, scale, row.f, [&](bool rising, double r) {
       return rising ? k_up * cubic(up.a, r) : k_down * cubic(down.a, r);
     });

@@ -41,7 +41,6 @@ class OutputSet {
   /// folder (absolute, ".."); targets that existed are then untouched.
   void commit();
 
-  const std::filesystem::path& folder() const { return folder_; }
   /// Paths added so far (relative to the folder), in order.
   std::vector<std::filesystem::path> paths() const;
   /// What commit() writes under one of them; null when there is none.

@@ -32,7 +32,6 @@ class CircuitBoard : public Board {
   // For the kinds of fault.
   const schematic::Netlist& circuit() const { return circuit_; }
   const schematic::OpAmpModel& opamp() const { return model_; }
-  const Spread& spread() const { return spread_; }
   /// Every node but ground and input.
   std::vector<std::string> nodes() const;
   double tolerance(std::size_t part) const;  ///< relative

@@ -40,8 +40,8 @@ double deviation_of(std::vector<double> misfits) {
 
 }  // namespace
 
-Channel read_channel(const std::filesystem::path& path, const std::string& node, Provenance& from,
-                     std::size_t max_points) {
+Channel read_channel(const std::filesystem::path& path, const std::string& node, Provenance& from) {
+  constexpr std::size_t kMostPoints = 121;
   const BodePoints points = BodePoints::read_csv(path, from);
   if (points.points.size() < 3)
     throw InputError(
@@ -55,7 +55,7 @@ Channel read_channel(const std::filesystem::path& path, const std::string& node,
     if (p.phase_deg.has_value() != with_phase)
       throw InputError(points.file, p.line, "phase_deg is there in some rows only, expected all or none");
   }
-  const std::size_t kept = std::min(points.points.size(), max_points);
+  const std::size_t kept = std::min(points.points.size(), kMostPoints);
   for (std::size_t i = 0; i < kept; ++i) {
     const std::size_t at = kept == 1 ? 0 : i * (points.points.size() - 1) / (kept - 1);
     const BodePoint& p = points.points[at];

@@ -20,10 +20,9 @@ struct Channel {
   std::size_t measured_points = 0;  ///< in the file; `grid` may hold fewer
 };
 
-/// CSV with frequency_hz, magnitude_db or gain, and phase_deg in every row or in none. Of more than `max_points`
+/// CSV with frequency_hz, magnitude_db or gain, and phase_deg in every row or in none. Of more than 121 points
 /// points evenly chosen ones are kept. Errors with file and line.
-Channel read_channel(const std::filesystem::path& path, const std::string& node, Provenance& from,
-                     std::size_t max_points = 121);
+Channel read_channel(const std::filesystem::path& path, const std::string& node, Provenance& from);
 
 /// Everything that was measured on one board.
 struct Measurement {

@@ -81,14 +81,15 @@ std::optional<Repetition> repetition_of(Hertz fundamental, double step_s, std::s
   return std::nullopt;
 }
 
-std::size_t find_period(std::span<const double> v, double tolerance) {
+std::size_t find_period(std::span<const double> v) {
+  constexpr double kAlike = 0.03;
   const std::size_t n = v.size();
   if (n < 16) return 0;
   const LagDistance distance(v);
   const double mean_square = distance.mean_square();
   if (!(mean_square > 0.0)) return 0;
   for (std::size_t p = 8; p <= n / 2; ++p) {
-    if (distance(p) > tolerance * tolerance * mean_square) continue;
+    if (distance(p) > kAlike * kAlike * mean_square) continue;
     // A slow signal is like itself at every small lag: only a minimum beyond the first decorrelation counts.
     const std::size_t leave = distance.decorrelation(p);
     if (p <= 2 * leave) continue;

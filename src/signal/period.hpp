@@ -24,8 +24,8 @@ std::optional<Repetition> find_repetition(std::span<const double> u);
 std::optional<Repetition> repetition_of(Hertz fundamental, double step_s, std::size_t samples);
 
 /// Period of a measured signal in samples (at least two of them in the record), 0 when it does not repeat.
-/// Two periods count as equal when they differ by less than `tolerance` of the signal's rms: the mean squared
+/// Two periods count as equal when they differ by less than 3 % of the signal's rms: the mean squared
 /// difference at every lag by one autocorrelation.
-std::size_t find_period(std::span<const double> v, double tolerance = 0.03);
+std::size_t find_period(std::span<const double> v);
 
 }  // namespace bodesmith

@@ -40,10 +40,11 @@ std::size_t cycles_of(const Spectrum& u) {
 
 }  // namespace
 
-Loop hysteresis_loop(std::span<const double> u, std::span<const double> y, std::size_t levels) {
+Loop hysteresis_loop(std::span<const double> u, std::span<const double> y) {
+  constexpr std::size_t levels = 101;
   if (u.size() != y.size()) throw std::logic_error("a loop needs one output for each input");
   Loop loop;
-  if (u.size() < 3 || levels == 0) return loop;
+  if (u.size() < 3) return loop;
   const auto [low, high] = std::minmax_element(u.begin(), u.end());
   if (!(*high > *low)) return loop;
   const double gap = (*high - *low) / static_cast<double>(levels + 1);

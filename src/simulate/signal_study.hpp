@@ -23,8 +23,8 @@ struct Loop {
   double height_percent = 0.0;  ///< in percent of the range of y; 0 for a range of 0
 };
 
-/// `levels` levels strictly between the extremes of u. u and y of one length, straight lines between samples.
-Loop hysteresis_loop(std::span<const double> u, std::span<const double> y, std::size_t levels = 101);
+/// 101 levels strictly between the extremes of u. u and y of one length, straight lines between samples.
+Loop hysteresis_loop(std::span<const double> u, std::span<const double> y);
 
 /// Spectra and hysteresis loops of an input u and an output y.
 ///

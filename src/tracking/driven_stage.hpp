@@ -42,7 +42,6 @@ class DrivenStage {
   /// The linear blocks on their own, in the order of their states.
   const std::vector<StateSpace>& blocks() const { return blocks_; }
   /// Index of the first filter of a pass in blocks(); drive and stage path are the last two.
-  std::size_t passes() const { return passes_; }
   const SlopeGain* detector(std::size_t branch) const { return slope_[branch] ? &*slope_[branch] : nullptr; }
 
  private:

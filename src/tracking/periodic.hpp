@@ -33,7 +33,6 @@ class PeriodicTracking {
   double repeat_s() const { return static_cast<double>(shape_.periods()) / frequency_.value; }
   const std::vector<double>& reference() const { return x_; }
   /// Of the samples above: whether the reference rises.
-  const std::vector<bool>& rising() const { return rising_; }
   /// What the stage adds: k_b d_b of the reference, or of its drive, as the options say.
   std::vector<double> stage_disturbance(const std::vector<double>& drive) const {
     return stage_disturbance(drive, options_.argument);

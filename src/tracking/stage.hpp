@@ -57,9 +57,6 @@ class PolynomialStage final : public Stage {
   const std::string& name() const override { return name_; }
   std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const override;
 
-  const Disturbance& disturbance() const { return disturbance_; }
-  const StagePaths& paths() const { return paths_; }
-
  private:
   std::vector<double> by_slope(const std::vector<double>& u, Hertz operating) const;
   std::vector<double> by_turning_points(const std::vector<double>& u, Hertz operating) const;

@@ -145,8 +145,6 @@ std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& design
       const std::vector<double> y = periodic.displacement(states.back().drive, Options::Argument::reference);
       c.on_reference_percent = plain_error(y, periodic.reference()).rms_percent;
     }
-    c.waveform_rms_percent =
-        100.0 * rms_difference(compensation, periodic.stage_disturbance(states.back().drive)) / options.alpha;
     for (std::size_t i = 0; i + 1 < states.size(); ++i) {
       if (designs[i].name != design.made_from) continue;
       c.lost_rms_percent = 100.0 * rms_difference(compensation, states[i].compensation) / options.alpha;

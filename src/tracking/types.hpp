@@ -90,7 +90,6 @@ struct Options {
 struct Case : TrackingError {
   Hertz frequency;
   std::string design;
-  double waveform_rms_percent = 0.0;  ///< rms of c against the disturbance the stage adds, percent of stroke
   /// What rms_percent would be if the stage read the reference; by the harmonic computation.
   std::optional<double> on_reference_percent;
   double lost_rms_percent = 0.0;  ///< rms of c against the design it was made from, percent of stroke

@@ -45,9 +45,8 @@ StageCapacitor delayed_branch(std::string name, double units, PlateNode from, in
           {PlateNode::virtual_ground(opamp), PlateNode::ground()}};
 }
 
-StageCapacitor half_period_branch(std::string name, double units, PlateNode from, int opamp) {
-  return {
-      std::move(name), units, {from, PlateNode::ground()}, Plate::fixed(PlateNode::virtual_ground(opamp))};
+StageCapacitor half_period_branch(std::string name, double units, PlateNode from) {
+  return {std::move(name), units, {from, PlateNode::ground()}, Plate::fixed(PlateNode::virtual_ground())};
 }
 
 }  // namespace bodesmith::fpaa

@@ -72,8 +72,8 @@ StageCapacitor switched_branch(std::string name, double units, PlateNode from, i
 /// Always at `from` and at the virtual ground.
 StageCapacitor static_branch(std::string name, double units, PlateNode from, int opamp = 1);
 /// Not inverting, late: takes up `from` in phase 2, gives it to the virtual ground in phase 1.
-StageCapacitor delayed_branch(std::string name, double units, PlateNode from, int opamp = 1);
+StageCapacitor delayed_branch(std::string name, double units, PlateNode from, int opamp);
 /// Inverting in phase 1 with an op-amp that is reset in phase 2: its far plate stays at the virtual ground.
-StageCapacitor half_period_branch(std::string name, double units, PlateNode from, int opamp = 1);
+StageCapacitor half_period_branch(std::string name, double units, PlateNode from);
 
 }  // namespace bodesmith::fpaa

@@ -69,7 +69,6 @@ class PeriodicNetworks {
   std::size_t pieces() const;
   /// Instants that nodes() looks at, some 10 ns each.
   std::size_t instants() const;
-  double ticks_per_second() const { return ticks_per_second_; }
 
   /// Component of the output at the input's own frequency, for an input of 1.
   Complex gain(RadPerSecond w) const;

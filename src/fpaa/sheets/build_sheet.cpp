@@ -11,8 +11,8 @@ namespace bodesmith::fpaa {
 namespace {
 
 /// "250 kHz": clocks and corners as AnadigmDesigner2 writes them.
-std::string in_khz(double hertz, int digits = 6) {
-  return rounded_text(hertz / 1e3, digits) + " kHz";
+std::string in_khz(double hertz) {
+  return rounded_text(hertz / 1e3, 6) + " kHz";
 }
 
 Json parameter_rows(const PlacedCam& cam) {

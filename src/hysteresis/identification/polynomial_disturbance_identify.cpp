@@ -90,8 +90,8 @@ DisturbanceFit fit_full_strokes(std::span<const TimeRecord> records, double skip
     throw InputError(records[0].file, 0, "holds no full stroke up and down of at least three samples each");
   if (sine) {
     out.model.ascending.is_sine = out.model.descending.is_sine = true;
-    out.model.ascending.sine = fit_sine(x[1], d[1]).amplitude;
-    out.model.descending.sine = fit_sine(x[0], d[0]).amplitude;
+    out.model.ascending.sine = fit_sine(x[1], d[1]);
+    out.model.descending.sine = fit_sine(x[0], d[0]);
   } else {
     out.model.ascending.polynomial = fit_polynomial(x[1], d[1]).a;
     out.model.descending.polynomial = fit_polynomial(x[0], d[0]).a;

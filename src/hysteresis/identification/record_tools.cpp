@@ -160,11 +160,10 @@ PolynomialFit fit_polynomial(std::span<const double> x, std::span<const double> 
     residual(eigen_index(i)) = x[i] * (out.a[0] + x[i] * (out.a[1] + x[i] * out.a[2])) - d[i];
   const Eigen::VectorXd deviation = parameter_deviation(gram, residual);
   out.deviation = {deviation(0), deviation(1)};
-  out.rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<std::size_t>(x.size(), 1)));
   return out;
 }
 
-SineFit fit_sine(std::span<const double> x, std::span<const double> d) {
+double fit_sine(std::span<const double> x, std::span<const double> d) {
   double top = 0.0;
   double bottom = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -174,16 +173,7 @@ SineFit fit_sine(std::span<const double> x, std::span<const double> d) {
   }
   if (!(bottom > 0.0))
     throw DesignError("the samples do not cover the branch: the amplitude is not determined");
-  SineFit out;
-  out.amplitude = top / bottom;
-  Eigen::VectorXd residual(eigen_index(x.size()));
-  for (std::size_t i = 0; i < x.size(); ++i)
-    residual(eigen_index(i)) = out.amplitude * std::sin(std::numbers::pi * x[i]) - d[i];
-  Eigen::MatrixXd gram(1, 1);
-  gram(0, 0) = bottom;
-  out.deviation = parameter_deviation(gram, residual)(0);
-  out.rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<std::size_t>(x.size(), 1)));
-  return out;
+  return top / bottom;
 }
 
 }  // namespace bodesmith::hysteresis

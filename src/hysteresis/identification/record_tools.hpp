@@ -98,15 +98,9 @@ double disturbance_gain(const std::array<double, 3>& basis, const std::array<dou
 struct PolynomialFit {
   std::array<double, 3> a{};
   std::array<double, 2> deviation{};  ///< standard deviation of a1 and a2
-  double rms = 0.0;
 };
 PolynomialFit fit_polynomial(std::span<const double> x, std::span<const double> d);
-/// Eq. 10.
-struct SineFit {
-  double amplitude = 0.0;
-  double deviation = 0.0;
-  double rms = 0.0;
-};
-SineFit fit_sine(std::span<const double> x, std::span<const double> d);
+/// The amplitude of eq. 10.
+double fit_sine(std::span<const double> x, std::span<const double> d);
 
 }  // namespace bodesmith::hysteresis

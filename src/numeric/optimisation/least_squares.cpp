@@ -262,14 +262,6 @@ void LevenbergMarquardt::judge_uncertainty() {
     if (length(j) > 0.0) scaled.col(j) /= length(j);
   }
   const MatrixXd correlation = gram(scaled);
-  double min = 1.0;
-  double max = 1.0;
-  if (!counted.empty()) {
-    const VectorXd values = symmetric_eigen(correlation(counted, counted)).values;
-    min = values.minCoeff();
-    max = values.maxCoeff();
-  }
-  result_.condition_number = min > 1e-30 * max ? std::sqrt(max / min) : 1e15;
   const SymmetricEigen eigen = symmetric_eigen(correlation);
   const VectorXd weight = eigen.values.cwiseMax(1e-15 * eigen.values.maxCoeff()).cwiseInverse();
   const MatrixXd inverse =
@@ -308,12 +300,13 @@ LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, co
 }
 
 std::vector<VectorXd> sensitivities(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
-                                    const VectorXd& values, int threads, double difference) {
+                                    const VectorXd& values, int threads) {
+  constexpr double kDifference = 1e-4;
   std::vector<VectorXd> columns(unknowns.size());
   VectorXd base;
   if (!residuals(values, base)) return columns;
   parallel_for(unknowns.size(), threads, [&](std::size_t j) {
-    auto column = difference_column(unknowns[j], eigen_index(j), residuals, values, base, difference);
+    auto column = difference_column(unknowns[j], eigen_index(j), residuals, values, base, kDifference);
     if (column) columns[j] = std::move(*column);
   });
   return columns;

@@ -47,7 +47,7 @@ struct LeastSquaresOptions {
   /// The Jacobian is kept through up to two rank-one updates while they go on paying: for models whose run is
   /// expensive.
   bool broyden = true;
-  bool uncertainty = true;  ///< whether gram, deviation and condition_number are asked for
+  bool uncertainty = true;  ///< whether gram and deviation are asked for
   double initial_damping = 1e-4;
   /// Of directions that change nothing (nearly) rounding decides where they are taken, by 1/least_damping of it.
   double least_damping = 1e-12;
@@ -70,7 +70,6 @@ struct LeastSquaresResult {
   /// Standard deviations of the values for white residuals; infinite for what changes nothing.
   Eigen::VectorXd deviation;
   /// Of the column-scaled Jacobian, over the unknowns that rest at no bound and change something.
-  double condition_number = 0.0;
 };
 
 /// min |r(x)|² within bounds by Levenberg and Marquardt (Marquardt, J. SIAM 11 (1963) 431) with Nielsen's
@@ -85,7 +84,7 @@ LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, co
 /// where it cannot be run. `threads`: LeastSquaresOptions::threads.
 std::vector<Eigen::VectorXd> sensitivities(const std::vector<SearchVariable>& unknowns,
                                            const Residuals& residuals, const Eigen::VectorXd& values,
-                                           int threads = 1, double difference = 1e-4);
+                                           int threads = 1);
 
 /// Standard deviations from the normal matrix JᵀJ and the residual: σ² (JᵀJ)⁻¹ widened by (1+ρ)/(1−ρ), ρ the
 /// residual's correlation from sample to sample (an AR(1) residual carries that many fewer independent

@@ -26,11 +26,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-struct RawVariable {
-  std::string name;
-  std::string type;
-};
-
 struct RawPlot {
   std::string name;
   std::string program;
@@ -39,7 +34,7 @@ struct RawPlot {
   bool by_variable = false;
   bool ltspice = false;
   std::size_t points = 0;
-  std::vector<RawVariable> variables;
+  std::vector<std::string> variables;
   std::vector<std::vector<Complex>> values;  ///< of each variable
 };
 
@@ -87,7 +82,7 @@ class RawReader {
     std::string seen;
     while (true) {
       RawPlot plot = header();
-      const std::string axis = plot.variables.empty() ? "" : lower_case(plot.variables.front().name);
+      const std::string axis = plot.variables.empty() ? "" : lower_case(plot.variables.front());
       const bool wanted = plot.variables.size() >= 2 && (axis == "frequency" || axis == "time");
       values(plot, wanted);
       if (wanted) return plot;
@@ -162,7 +157,7 @@ class RawReader {
     }
   }
 
-  RawVariable variable() {
+  std::string variable() {
     const std::size_t begin = cursor_.byte();
     std::vector<std::string> cells;
     const std::string line = next_line();
@@ -177,7 +172,7 @@ class RawReader {
     }
     if (cells.size() < 3)
       fail_at(begin, fmt::format("'{}' is no variable: number, name, type", line.substr(0, 40)));
-    return {cells[1], cells[2]};
+    return cells[1];
   }
 
   void values(RawPlot& plot, bool keep) {
@@ -321,7 +316,7 @@ class SpiceRaw : public Format {
     std::vector<double> axis;
     for (const Complex& value : plot.values.front())
       axis.push_back(plot.ltspice ? std::abs(value.real()) : value.real());
-    const bool over_time = lower_case(plot.variables.front().name) == "time";
+    const bool over_time = lower_case(plot.variables.front()) == "time";
     const RawRun run = find_run(axis, run_number);
     if (run.end == 0)
       throw InputError(source.file, 0,
@@ -340,7 +335,7 @@ class SpiceRaw : public Format {
                                 std::vector<double> time, Words words) {
     std::vector<SignalTrace> signals;
     for (std::size_t v = 1; v < plot.variables.size(); ++v) {
-      SignalTrace signal{plot.variables[v].name, {}};
+      SignalTrace signal{plot.variables[v], {}};
       for (std::size_t i = run.begin; i < run.end; ++i) signal.values.push_back(plot.values[v][i].real());
       signals.push_back(std::move(signal));
     }
@@ -352,7 +347,7 @@ class SpiceRaw : public Format {
     std::vector<std::string> names;
     std::vector<std::vector<Complex>> values;
     for (std::size_t v = 1; v < plot.variables.size(); ++v) {
-      names.push_back(plot.variables[v].name);
+      names.push_back(plot.variables[v]);
       values.emplace_back(plot.values[v].begin() + static_cast<std::ptrdiff_t>(run.begin),
                           plot.values[v].begin() + static_cast<std::ptrdiff_t>(run.end));
     }

@@ -85,7 +85,6 @@ class CircuitController final : public tracking::BuiltController {
   std::string name() const override;
   int part_count() const override;
   tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override;
-  const DisturbanceCircuit& circuit() const { return *controller_; }
 
  private:
   std::shared_ptr<const DisturbanceCircuit> controller_;

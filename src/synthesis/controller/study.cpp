@@ -34,10 +34,10 @@ BothEngines run_in_both(const DisturbanceCircuit& controller, const tracking::Re
 
 std::vector<AsBuilt> measure_as_built(const DisturbanceCircuit& controller,
                                       const std::vector<Hertz>& frequencies,
-                                      const tracking::Reference& reference, const NgspiceRun& options) {
+                                      const tracking::Reference& reference) {
   std::vector<AsBuilt> out;
   for (const Hertz f : frequencies) {
-    const BothEngines both = run_in_both(controller, reference, f, options);
+    const BothEngines both = run_in_both(controller, reference, f, {});
     const SteadyState& run = both.ngspice;
     AsBuilt one;
     one.frequency = f;

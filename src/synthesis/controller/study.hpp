@@ -31,8 +31,7 @@ struct AsBuilt {
 
 std::vector<AsBuilt> measure_as_built(const DisturbanceCircuit& controller,
                                       const std::vector<Hertz>& frequencies,
-                                      const tracking::Reference& reference = tracking::Reference(),
-                                      const NgspiceRun& options = {});
+                                      const tracking::Reference& reference = tracking::Reference());
 /// Without ngspice: the same chain in CVODE, at every tracked frequency.
 std::vector<AsBuilt> predict_as_built(const DisturbanceCircuit& controller,
                                       const tracking::Reference& reference);

@@ -33,11 +33,9 @@ int NetlistMaker::diode(std::string name, std::string role, std::string anode, s
                std::move(cathode), "1N4148", 0.0, 0.0});
 }
 
-int NetlistMaker::opamp(std::string role, std::string plus, std::string minus, std::string out,
-                        std::string name) {
-  if (name.empty()) name = "U" + std::to_string(to_.opamps.size() + 1);
-  to_.opamps.push_back(
-      {std::move(name), std::move(role), group, std::move(plus), std::move(minus), std::move(out)});
+int NetlistMaker::opamp(std::string role, std::string plus, std::string minus, std::string out) {
+  to_.opamps.push_back({"U" + std::to_string(to_.opamps.size() + 1), std::move(role), group, std::move(plus),
+                        std::move(minus), std::move(out)});
   return static_cast<int>(to_.opamps.size()) - 1;
 }
 

@@ -24,7 +24,7 @@ class NetlistMaker {
   int capacitor(std::string name, std::string role, std::string from, std::string to, double wanted);
   int diode(std::string name, std::string role, std::string anode, std::string cathode);
   /// U1, U2, … where no name is given.
-  int opamp(std::string role, std::string plus, std::string minus, std::string out, std::string name = "");
+  int opamp(std::string role, std::string plus, std::string minus, std::string out);
 
   /// What enters a sum: its node; name and role of its resistor.
   struct Weight {

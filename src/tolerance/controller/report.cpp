@@ -124,7 +124,6 @@ double examined_stroke(const generator::DisturbanceCircuit& controller, double a
 
 ControllerReport examine(const generator::DisturbanceCircuit& controller, const tracking::Stage& stage,
                          const ControllerReportOptions& options) {
-  const Stopwatch watch;
   ControllerReport out;
   out.errors = options.study.errors;
   out.loop = options.ngspice && ngspice::is_available() ? generator::checked_loop_stability(controller)
@@ -136,7 +135,6 @@ ControllerReport examine(const generator::DisturbanceCircuit& controller, const 
   out.trims = study_trims(controller, stage, study, options.trims, &out.study);
   if (options.ngspice && options.checked_draws > 0 && ngspice::is_available())
     out.checked = check_draws(controller, stage, study, options.checked_draws);
-  out.seconds = watch.seconds();
   return out;
 }
 

@@ -16,7 +16,6 @@ struct ControllerReport {
   TrimStudy trims;
   generator::LoopStability loop;
   std::vector<DrawCheck> checked;  ///< against ngspice
-  double seconds = 0.0;            ///< wall, of all of it
 };
 
 struct ControllerReportOptions {

@@ -99,12 +99,9 @@ TEST(RecordTools, FitsHaveTheirCoefficientsAndWhatIsLeft) {
   EXPECT_NEAR(polynomial.a[0], 0.4, 2e-3);
   EXPECT_NEAR(polynomial.a[1], -0.7, 4e-3);
   EXPECT_NEAR(polynomial.a[0] + polynomial.a[1] + polynomial.a[2], 0.0, 1e-15);
-  EXPECT_NEAR(polynomial.rms, 0.01, 1e-4);
   EXPECT_GT(polynomial.deviation[0], 0.0);
-  const SineFit found = fit_sine(x, sine);
-  EXPECT_NEAR(found.amplitude, 0.2, 1e-3);
-  EXPECT_NEAR(found.rms, 0.01, 1e-4);
-  EXPECT_GT(found.deviation, 0.0);
+  const double found = fit_sine(x, sine);
+  EXPECT_NEAR(found, 0.2, 1e-3);
   EXPECT_THROW(fit_polynomial(std::vector{0.5, 0.5}, std::vector{0.1, 0.1}), DesignError);
   EXPECT_THROW(fit_sine(std::vector{0.0}, std::vector{0.1}), DesignError);
   // The same amplitude searched for.
@@ -116,8 +113,7 @@ TEST(RecordTools, FitsHaveTheirCoefficientsAndWhatIsLeft) {
           r(i) = a(0) * std::sin(std::numbers::pi * x[std::size_t(i)]) - sine[std::size_t(i)];
       },
       Eigen::VectorXd::Constant(1, 1.0), low, high, high);
-  EXPECT_NEAR(least.values(0), found.amplitude, 1e-6);
-  EXPECT_NEAR(least.deviation(0), found.deviation, 1e-3 * found.deviation);
+  EXPECT_NEAR(least.values(0), found, 1e-6);
 }
 
 }  // namespace

@@ -25,6 +25,33 @@ class Power final : public NoiseSources {
   const Eigen::VectorXcd& ways_;
 };
 
+/// x(out) of M x = b by elimination with partial pivoting, in place. Most of a circuit's M is 0, and what is left is small: a third of
+/// the time of a general LU with all of x.
+Complex eliminated(Eigen::MatrixXcd& m, Eigen::VectorXcd& b, Eigen::Index out) {
+  const Eigen::Index last = m.rows() - 1;
+  m.col(out).swap(m.col(last));
+  const auto take = [](Complex& from, const Complex& x, const Complex& y) {
+    from -= Complex(x.real() * y.real() - x.imag() * y.imag(), x.real() * y.imag() + x.imag() * y.real());
+  };
+  for (Eigen::Index k = 0; k < last; ++k) {
+    Eigen::Index pivot = k;
+    for (Eigen::Index i = k + 1; i <= last; ++i) {
+      if (std::norm(m(i, k)) > std::norm(m(pivot, k))) pivot = i;
+    }
+    if (pivot != k) {
+      m.row(k).swap(m.row(pivot));
+      std::swap(b(k), b(pivot));
+    }
+    for (Eigen::Index i = k + 1; i <= last; ++i) {
+      if (m(i, k) == 0.0) continue;
+      const Complex share = m(i, k) / m(k, k);
+      for (Eigen::Index j = k + 1; j <= last; ++j) take(m(i, j), share, m(k, j));
+      take(b(i), share, b(k));
+    }
+  }
+  return b(last) / m(last, last);
+}
+
 }  // namespace
 
 std::vector<double> output_noise(const Netlist& netlist, const std::vector<Hertz>& grid, bool flicker,
@@ -119,7 +146,7 @@ ResponseOfParts::ResponseOfParts(const Netlist& netlist, const std::vector<Hertz
     const auto power = equations.part(i).power_of_value();
     if (!power)
       throw std::invalid_argument(netlist.parts[i].name + " has no value that the response could follow");
-    parts_.push_back({netlist.parts[i].realised, *power, {}});
+    parts_.push_back({netlist.parts[i].realised, *power, 1.0, {}});
     Stamps stamps({}, {}, parts_.back().slopes);
     equations.part(i).stamp({}, stamps);
   }
@@ -134,13 +161,14 @@ ResponseOfParts::ResponseOfParts(const Netlist& netlist, const std::vector<Hertz
 }
 
 const std::vector<Complex>& ResponseOfParts::at(std::span<const double> values) {
+  for (std::size_t p = 0; p < parts_.size(); ++p)
+    parts_[p].factor = std::pow(values[p] / parts_[p].nominal, parts_[p].power);
   for (std::size_t i = 0; i < others_.size(); ++i) {
     all_ = others_[i];
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-      const double factor = std::pow(values[p] / parts_[p].nominal, parts_[p].power);
-      for (const Stamps::Slope& slope : parts_[p].slopes) all_.add(slope, factor);
+    for (const Part& part : parts_) {
+      for (const Stamps::Slope& slope : part.slopes) all_.add(slope, part.factor);
     }
-    response_[i] = out_ < 0 ? Complex(out_ == kInput ? 1.0 : 0.0) : solve_lu(all_.m, all_.b)(out_);
+    response_[i] = out_ < 0 ? Complex(out_ == kInput ? 1.0 : 0.0) : eliminated(all_.m, all_.b, out_);
   }
   return response_;
 }

@@ -26,7 +26,7 @@ class ResponseOfParts {
 
  private:
   struct Part {
-    double nominal, power;
+    double nominal, power, factor;
     std::vector<Stamps::Slope> slopes;  ///< at the nominal value
   };
   /// The small-signal equations M x = b at one frequency.

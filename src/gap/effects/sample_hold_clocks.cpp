@@ -65,38 +65,38 @@ struct Likeness {
   double value() const { return along > 0.0 && size > 0.0 ? along * along / size : 0.0; }
 };
 
-/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less the signal, or less their own mean lag.
+/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less the signal, or less their own mean lag. The signal is a
+/// sample longer; every edge is worked out anew, since a branch that tells where one is costs more.
 double likeness_to_stairs(const std::vector<double>& signal, const std::vector<double>& residual, bool half,
-                          bool with_lag, double cycle, std::size_t from, std::size_t n) {
+                          bool with_lag, double clock, std::size_t from, std::size_t n) {
+  const double cycle = 1.0 / clock;
   const double late = half ? 0.5 * cycle : 0.0;
   const double lag = 0.5 * cycle + late;
-  const auto at = [&](double s) {
-    const auto k = static_cast<std::size_t>(static_cast<std::int64_t>(s));  // by one instruction
-    return k + 1 < n ? signal[k] + (s - static_cast<double>(k)) * (signal[k + 1] - signal[k]) : signal[k];
+  const auto first = whole_number<std::size_t>(std::ceil(lag));
+  const std::size_t shift = with_lag ? 0 : first;
+  const double share = with_lag ? 0.0 : static_cast<double>(first) - lag;
+  const auto between = [&](std::size_t k, double part) {
+    return signal[k] + part * (signal[k + 1] - signal[k]);
   };
+  const auto below = [](double s) { return static_cast<std::int64_t>(s); };  // by one instruction
   Likeness likeness;
-  double held = 0.0, next_edge = 0.0;
-  for (std::size_t i = from; i < n; ++i) {
-    const auto t = static_cast<double>(i);
-    const double mean = t - lag;
-    if (t < late || mean < 0.0) continue;
-    if (t - late >= next_edge) {
-      const double edge = std::floor((t - late) / cycle) * cycle;
-      held = at(edge);
-      next_edge = edge + cycle;
-    }
-    likeness.add(residual[i], held - (with_lag ? signal[i] : at(mean)));
+  for (std::size_t i = std::max(from, first); i < n; ++i) {
+    const double edge = cycle * static_cast<double>(below((static_cast<double>(i) - late) * clock));
+    const std::int64_t k = below(edge);
+    const double held = between(static_cast<std::size_t>(k), edge - static_cast<double>(k));
+    likeness.add(residual[i], held - between(i - shift, share));
   }
   return likeness.value();
 }
 
 /// Clocks whose stairs of a signal the residual is like, best first; above 0: lag and all, around `guess_hz`.
-Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
-                        const std::vector<double>& residual, bool half, double guess_hz) {
+Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const std::vector<double>& residual,
+                        bool half, double guess_hz) {
+  signal.push_back(signal.back());
   const double h = scene.step_s;
   const bool with_lag = guess_hz > 0.0;
   const auto likeness = [&](double f, std::size_t n) {
-    return likeness_to_stairs(signal, residual, half, with_lag, 1.0 / (f * h), n / 10, n);
+    return likeness_to_stairs(signal, residual, half, with_lag, f * h, n / 10, n);
   };
   const std::size_t last = std::min(residual.size(), kLastLook);
   std::size_t length = std::min(last, kFirstLook);

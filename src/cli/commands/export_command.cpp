@@ -67,7 +67,7 @@ void add_chain(const Node& node, exchange::Exportable& out) {
 void add_network(const Node& node, exchange::Exportable& out) {
   const fpaa::Plan plan = fpaa::Plan::from_node(node);
   const fpaa::PlanGraph graph = value_or_throw(fpaa::plan_graph(plan));
-  if (!graph.output || !graph.output->node) return;
+  if (!graph.output.node) return;
   exchange::SampledNetwork network;
   for (const std::size_t i : graph.order) {
     const fpaa::PlanGraph::PlanNode& cam = graph.nodes[i];
@@ -78,7 +78,7 @@ void add_network(const Node& node, exchange::Exportable& out) {
     }
     network.blocks.push_back(std::move(block));
   }
-  network.output = graph.nodes[*graph.output->node].name;
+  network.output = graph.nodes[*graph.output.node].name;
   out.network = std::move(network);
 }
 

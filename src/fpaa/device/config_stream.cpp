@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <stdexcept>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -90,10 +89,6 @@ Bytes encode(const ConfigStream& stream) {
   out.push_back(static_cast<std::uint8_t>(stream.control));
   for (std::size_t i = 0; i < stream.blocks.size(); ++i) {
     const ConfigBlock& block = stream.blocks[i];
-    if (block.byte < 0 || block.byte > 31 || block.bank < 0 || block.bank > 255 || block.data.empty() ||
-        block.data.size() > 256) {
-      throw std::logic_error("a configuration block that cannot be written");
-    }
     out.push_back(static_cast<std::uint8_t>(0x80 | (i + 1 < stream.blocks.size() ? 0x40 : 0) | block.byte));
     out.push_back(static_cast<std::uint8_t>(block.bank));
     out.push_back(static_cast<std::uint8_t>(block.data.size() & 0xFF));
@@ -168,7 +163,6 @@ Bytes from_ahf(std::string_view text, const std::string& file) {
 }
 
 std::string to_packet(const Bytes& bytes, bool as_primary) {
-  if (2 * bytes.size() > 0xFFFF) throw std::logic_error("too long for one packet");
   std::string out(1, kStx);
   out += as_primary ? '0' : '1';
   out += fmt::format("{:04X}", 2 * bytes.size());

@@ -21,7 +21,9 @@ class GraphBuilder {
     add_nodes();
     sort_wires();
     for (const Wire& wire : plan_.wires) connect(wire);
-    if (const std::string pin = plan_.output_pin(); !pin.empty()) out_.output = source(pin);
+    const std::string pin = plan_.output_pin();
+    if (pin.empty()) throw DesignError("no wire leads to an output pin, expected one");
+    out_.output = source(pin);
     find_order();
     return std::move(out_);
   }

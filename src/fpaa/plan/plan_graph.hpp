@@ -36,15 +36,15 @@ struct PlanGraph {
   std::vector<PlanNode> nodes;     ///< in the plan's order; they point into the plan
   std::vector<std::size_t> order;  ///< of the nodes: each after those it reads within the same instant
   bool looped = false;             ///< some CAM reads (late) what it makes itself
-  std::optional<Source> output;    ///< of the output pin that is wired to nothing; absent: none is
+  Source output;                   ///< of the output pin that is wired to nothing
   double tick_rate = 32e6;         ///< ticks a second
 };
 
 /// The switches of a CAM as it is placed. Throws DesignError, by its name, where they are not known.
 StageSwitches switches_of(const PlacedCam& cam, const std::string& name);
 
-/// Refused: a wire from or to what is not there, two wires to one input, an input the CAM does not have, a
-/// loop without any delay.
+/// Refused: a wire from or to what is not there, two wires to one input, an input the CAM does not have, no wire to an output pin,
+/// a loop without any delay.
 Outcome<PlanGraph> plan_graph(const Plan& plan);
 
 }  // namespace bodesmith::fpaa

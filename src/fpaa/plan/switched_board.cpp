@@ -34,7 +34,7 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
     }
     network_of_[n] = networks_.add(clocked(n, units_, with_noise), std::move(sources));
   }
-  if (graph_.output && graph_.output->node) networks_.set_output(network_of_[*graph_.output->node]);
+  if (graph_.output.node) networks_.set_output(network_of_[*graph_.output.node]);
 }
 
 ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> units, bool with_noise) const {
@@ -58,8 +58,7 @@ Hertz SwitchedBoard::fastest_clock() const {
 }
 
 Complex SwitchedBoard::sampled(RadPerSecond w) const {
-  if (!graph_.output) return 0.0;
-  if (!graph_.output->node) return 1.0;
+  if (!graph_.output.node) return 1.0;
   std::vector<Complex> out(graph_.nodes.size(), 0.0);
   for (const std::size_t i : graph_.order) {
     const PlanGraph::PlanNode& node = graph_.nodes[i];
@@ -68,7 +67,7 @@ Complex SwitchedBoard::sampled(RadPerSecond w) const {
       out[i] += node.cam->z.response(w, node.cam->clock_a, input.number) * source;
     }
   }
-  return out[*graph_.output->node];
+  return out[*graph_.output.node];
 }
 
 void SwitchedBoard::set_units(std::span<const double> units) {

@@ -26,7 +26,7 @@ class SwitchedBoard {
   void set_units(std::span<const double> units);
 
   /// From pin to pin, at the sine's own frequency.
-  Complex gain(RadPerSecond w) const { return graph_.output ? networks_.gain(w) : 0.0; }
+  Complex gain(RadPerSecond w) const { return networks_.gain(w); }
   /// The product of the CAMs' z-transfers alone: what the capacitors make of samples.
   Complex sampled(RadPerSecond w) const;
   /// Every op-amp, [node of graph()][op-amp].

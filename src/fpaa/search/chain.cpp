@@ -166,7 +166,6 @@ std::optional<Chain> chain_design(std::vector<StageRoots> stages, const ChainClo
     }
     last = static_cast<int>(out.stages.size()) - 1;
   }
-  if (out.stages.empty()) return std::nullopt;
   const StageFactorTable table(target);
   if (!set_gain(out, table)) return std::nullopt;
   scale_nodes(out, table);

@@ -95,7 +95,6 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
     }
   };
   const LeastSquaresResult result = least_squares(unknowns, residuals, options);
-  if (result.values.size() != static_cast<Eigen::Index>(list.size())) return;
   set(result.values);
   design = std::move(trial);
 }

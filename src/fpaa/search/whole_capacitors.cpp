@@ -283,7 +283,6 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
     }
   }
   std::vector<std::vector<double>> out;
-  if (but_gain.empty()) return out;  // no cost was a number
   for (std::size_t i = 0; i < as_is.size(); ++i) {
     for (const WholeStage* whole : {&as_is[i], &but_gain[std::min(i, but_gain.size() - 1)]}) {
       if (out.size() < choices && std::ranges::find(out, whole->c) == out.end()) out.push_back(whole->c);

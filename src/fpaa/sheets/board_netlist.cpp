@@ -91,10 +91,9 @@ std::string switched_library(schematic::Subcircuit top, const std::string& what,
 
 std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title) {
   const PlanGraph graph = value_or_throw(plan_graph(plan));
-  if (!graph.output) throw DesignError("no wire leads to an output pin, expected one");
   const auto node_of = [&](const PlanGraph::Source& source) {
     if (!source.node) return std::string("in");
-    return source.node == graph.output->node ? "out" : output_node(graph.nodes[*source.node].name);
+    return source.node == graph.output.node ? "out" : output_node(graph.nodes[*source.node].name);
   };
   std::vector<NetlistStage> stages;
   for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
@@ -107,7 +106,7 @@ std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std
     for (const PlanGraph::Input& input : node.inputs) stage.inputs[input.number - 1] = node_of(input.from);
   }
   schematic::Subcircuit board{"board", {"in", "out"}, {}, {}};
-  if (!graph.output->node) board.netlist.expressions = {{"Bout", "out", "V(in)"}};
+  if (!graph.output.node) board.netlist.expressions = {{"Bout", "out", "V(in)"}};
   return switched_library(std::move(board), "The plan", stages, parts, title);
 }
 

@@ -113,10 +113,10 @@ std::vector<Block> from_disturbance(const Node& node, ModelRequest& asked) {
 std::vector<Block> from_plan(const Node& node, ModelRequest&) {
   const fpaa::Plan plan = fpaa::Plan::from_node(node);
   const fpaa::PlanGraph graph = value_or_throw(fpaa::plan_graph(plan));
-  if (!graph.output || !graph.output->node) node.fail("has no output that is wired");
+  if (!graph.output.node) node.fail("has no output that is wired");
   // From the output back to the pin.
   std::vector<Block> out;
-  for (std::optional<std::size_t> at = graph.output->node; at;) {
+  for (std::optional<std::size_t> at = graph.output.node; at;) {
     const fpaa::PlanGraph::PlanNode& cam = graph.nodes[*at];
     if (cam.inputs.size() != 1)
       node.fail(fmt::format("is no chain: {} takes {} inputs, expected one", cam.name, cam.inputs.size()));

@@ -182,7 +182,7 @@ BoardInTime BoardTracker::track(const Window& window) const {
     const double theta = t / window.repeat_s;
     const bool rises = tracking::Reference::rises(window.reference.piece(theta - std::floor(theta)));
     const double made =
-        graph_.output->node ? board.value(graph_.nodes[*graph_.output->node].name) : run.at(1, t, i);
+        graph_.output.node ? board.value(graph_.nodes[*graph_.output.node].name) : run.at(1, t, i);
     const std::size_t place = k % window.count;
     drive.v[place] = run.at(0, t, i);
     by_charges[place] = drive.v[place];

@@ -13,6 +13,7 @@
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"
 #include "lti/frequency_grid.hpp"
+#include "signal/csv.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -143,6 +144,85 @@ TEST(TransferFunction, TableFollowsTheFunctionWithinOneStep) {
   }
   EXPECT_NE(refusal_of(LookupTable::of([](double) { return 0.0; })), nullptr);
   EXPECT_NE(refusal_of(LookupTable::of([](double v) { return 1.0 / (v - v); })), nullptr);
+}
+
+/// What the vendor's table, its menu and the picture have of a CAM.
+TEST(CamLibrary, SaysAPlacedCamAsTheVendorDoes) {
+  PlacedCam biquad;
+  biquad.cam = cam_registry().find("FilterBiquad");
+  biquad.capacitors = {{"C1", 9}, {"CA", 300}, {"CB", 20}};
+  std::vector<std::string> listed;
+  const auto list = [&](const PlacedCam& cam, const std::vector<std::string>& table) {
+    listed.clear();
+    for (const Capacitor& c : cam.cam->vendor_capacitors(cam, table))
+      listed.push_back(c.name + "=" + std::to_string(c.units));
+    return listed;
+  };
+  EXPECT_EQ(list(biquad, {}), (std::vector<std::string>{"C1=9", "CA1=255", "CA2=45", "CB1=20", "CB2=0"}));
+  PlacedCam gain;
+  gain.cam = cam_registry().find("GainInv");
+  gain.capacitors = {{"Cin", 30}, {"Cout", 12}};
+  EXPECT_EQ(list(gain, {"Cin", "Cout", "aCout"}),
+            (std::vector<std::string>{"Cin=30", "Cout=12", "aCout=12"}));
+  for (const char* name : {"GainInv", "SumInv"}) EXPECT_TRUE(cam_registry().get(name).is_gain());
+  EXPECT_FALSE(biquad.cam->is_gain());
+  // Pairs of equal capacitors, up to three inputs.
+  PlacedCam sum;
+  sum.cam = cam_registry().find("SumInv");
+  const auto in_menu = [&](std::size_t inputs, int static_units) {
+    sum.z.numerators.resize(inputs);
+    sum.capacitors = {{"Cout", 5}, {"aCout", 5}};
+    for (std::size_t i = 1; i <= inputs; ++i) {
+      sum.capacitors.push_back({"Cin" + std::to_string(i), 7});
+      sum.capacitors.push_back({"aCin" + std::to_string(i), i == inputs ? static_units : 7});
+    }
+    return sum.cam->in_vendor_menu(sum);
+  };
+  EXPECT_TRUE(in_menu(2, 7));
+  EXPECT_TRUE(in_menu(3, 7));
+  EXPECT_FALSE(in_menu(3, 6));
+  EXPECT_FALSE(in_menu(4, 7));
+  const auto zrna = [&](const char* cam, const char* option) {
+    PlacedCam placed;
+    placed.option = option;
+    return cam_registry().get(cam).zrna_module(placed).value().class_name;
+  };
+  EXPECT_EQ(zrna("FilterBiquad", "Low Pass"), "FilterBiquadLowpass");
+  EXPECT_EQ(zrna("FilterBiquad", "Band Pass"), "FilterBiquadBandpass");
+  EXPECT_EQ(zrna("FilterBiquad", "High Pass"), "FilterBiquadHighpass");
+  EXPECT_EQ(zrna("FilterBilinear", "Low Pass"), "FilterLowpass");
+  EXPECT_EQ(zrna("FilterBilinear", "High Pass"), "FilterHighpass");
+  const struct {
+    const char* cam;
+    CamValues realised;
+    const char* drawn;
+  } pictures[] = {{"FilterBilinear", {{"corner_hz", 1234.0}}, "corner 1.234 kHz"},
+                  {"FilterBiquad", {{"corner_hz", 1234.0}}, "corner 1.234 kHz"},
+                  {"GainInv", {{"gain", 1.23456}}, "gain 1.235"},
+                  {"GainHold", {{"gain", -2.0}}, "gain -2, held"},
+                  {"SumInv", {{"gain_1", 0.5}, {"gain_2", 2.0}}, "gains 0.5 2"},
+                  {"SumDiff", {{"gain_1", -1.5}, {"gain_2", 0.8}}, "gains -1.5, 0.8"},
+                  {"Comparator", {}, "sign of its input"},
+                  {"GainSwitch", {}, "one of two, by a comparator"}};
+  for (const auto& one : pictures) {
+    PlacedCam placed;
+    placed.realised = one.realised;
+    placed.option = "Low Pass";
+    placed.z.numerators.resize(2);
+    EXPECT_EQ(cam_registry().get(one.cam).picture_text(placed), one.drawn) << one.cam;
+  }
+}
+
+TEST(TransferFunction, ItsTableIsALineAnEntry) {
+  LookupTable table;
+  table.cout = 10;
+  table.bytes[3] = 138;
+  const Csv csv = Csv::parse(table.csv([](double v) { return 2.0 * v; }), "table.csv");
+  ASSERT_EQ(csv.rows(), 256u);
+  EXPECT_EQ(csv.column("entry")[3], 3.0);
+  EXPECT_EQ(csv.column("output_v")[3], 2.0);
+  EXPECT_EQ(csv.column("byte")[3], 138.0);
+  EXPECT_NEAR(csv.column("wanted_v")[3], 2.0 * csv.column("input_v")[3], 1e-12);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "fpaa/controller/branches.hpp"
 #include "fpaa/controller/gains.hpp"
 #include "fpaa/controller/io.hpp"
+#include "fpaa/controller/netlist.hpp"
 #include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/plan_stream.hpp"
 #include "temporary_folder.hpp"
@@ -198,6 +199,22 @@ TEST(ControllerStreams, SetsAreNearEnough) {
     }
   }
   EXPECT_EQ(serving_frequency({}, {7.0}).value, 7.0);
+}
+
+/// What stands off the board, by its voltages.
+TEST(ControllerNetlist, PartsOffTheBoardAreExpressions) {
+  using enum OutsidePart::Kind;
+  ControllerVariant variant;
+  variant.scale = {2.5, 0.75};
+  variant.outside = {{reference, "r", {}, 0.0},
+                     {constant, "c", {}, 1.5},
+                     {multiplier, "m", {"r", "c"}, 0.25},
+                     {switched, "s", {"m", "c"}, 0.0}};
+  variant.drive = "s";
+  const std::string text = controller_netlist(variant, {}, "title");
+  for (const char* volts : {"2.5*(V(r)-0.75)", "=1.5\n", "0.25*V(o_r)*V(o_c)",
+                            "V(rising)*V(o_m)+(1-V(rising))*V(o_c)", "V(o_s)/2.5+0.75"})
+    EXPECT_THAT(text, HasSubstr(volts)) << text;
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "fpaa/gains/gain_schedule.hpp"
+#include "base/documents/json.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -302,6 +303,30 @@ TEST_F(GainHost, SaysWhatIsWrong) {
   const ProgramResult run = host(c_host(), refusing.name(), "10\n");
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.err, HasSubstr("does not answer"));
+}
+
+TEST(GainSchedule, SaysEveryPlaceAndEverySet) {
+  GainSchedule schedule;
+  schedule.branches = {{ascending, {"FPAA1.Up", 3, {{2, 5}}, {{2, 6}}}, 1.25, 1.5, 0.125},
+                       {descending, {"C", 4, {{7, 8}, {9, 10}}, {}, 77}, 2.0}};
+  schedule.sets = {{{10.0}, {}, {}, {}, {}, {{1.625, 3, 2}, {0.375, 1, 2}}, {}}};
+  schedule.max_ratio_error_percent = 0.5;
+  schedule.max_gain_error_percent = 0.75;
+  schedule.max_tracking_error_percent = 0.25;
+  schedule.update_s = 0.125;
+  EXPECT_EQ(schedule.to_json(), Json::parse(R"({"branches": [
+      {"branch": "ascending", "place": "FPAA1.Up", "address1": 3, "over": [{"bank": 2, "byte": 5}],
+       "under": [{"bank": 2, "byte": 6}], "gain_at_one": 1.25, "better_gain_at_one": 1.5, "better_ratio_error_percent": 0.125},
+      {"branch": "descending", "place": "C", "address1": 4, "over": [{"bank": 7, "byte": 8}, {"bank": 9, "byte": 10}],
+       "under": [], "gain_at_one": 2, "under_units": 77}],
+    "sets": [{"frequency_hz": 10, "gains": [
+      {"branch": "ascending", "wanted": 1.625, "realised": 1.5, "over_units": 3, "under_units": 2},
+      {"branch": "descending", "wanted": 0.375, "realised": 0.5, "over_units": 1, "under_units": 2}]}],
+    "error": {"max_ratio_percent": 0.5, "max_gain_percent": 0.75, "max_tracking_percent": 0.25}, "update_s": 0.125})"));
+  EXPECT_EQ(schedule.csv(),
+            "frequency_hz,ascending_gain,ascending_realised,ascending_over_units,ascending_under_units,"
+            "descending_gain,descending_realised,descending_over_units,descending_under_units\n"
+            "10.0,1.625,1.5,3,2,0.375,0.5,1,2\n");
 }
 
 }  // namespace

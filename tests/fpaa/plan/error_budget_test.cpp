@@ -1,5 +1,7 @@
 #include "fpaa/plan/error_budget.hpp"
+#include "base/documents/json.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -94,6 +96,34 @@ TEST(ErrorBudget, NoiseOfALowPassIsSomewhatBelowTwoChargesASample) {
   EXPECT_GT(budget.noise_kt_per_cu, 0.8 * two_charges);
   // sqrt(kT/C) of 50 fF at 300 K is 287.8 uV.
   EXPECT_NEAR(budget.assumptions.noise.microvolts(1.0), 287.8, 0.1);
+}
+
+TEST(ErrorBudget, SaysWhatItIsMadeOf) {
+  ErrorBudget budget;
+  for (int i = 1; i <= 9; ++i) budget.capacitors.push_back({fmt::format("C{}", i), 1.0 / i});
+  budget.assumptions = {{0.25, 0.125}, {2e-15, 400.0}, 5};
+  budget.cams = {{"A", 1.5, 2.5, 3.5, 4.0, 4.5, 5.5}};
+  budget.settling_limit_hz = 6.5;
+  budget.noise_kt_per_cu = 16.0;
+  budget.noise_in_band_kt_per_cu = 9.0;
+  budget.opamp.gain_bandwidth = {8.5};
+  budget.opamp.dc_gain = 9.5;
+  budget.settling_percent = 10.5;
+  Json json = budget.to_json();
+  ASSERT_EQ(json["mismatch"]["capacitors"].size(), 8u);
+  EXPECT_EQ(json["mismatch"]["capacitors"][7], Json::parse(R"({"capacitor": "C8", "share": 0.125})"));
+  json["mismatch"].erase("capacitors");
+  // sqrt(kT/C) of one unit, in uV.
+  const double unit_uv = 1e6 * std::sqrt(1.380649e-23 * 400.0 / 2e-15);
+  EXPECT_NEAR(json["noise_uv"].get<double>(), 4.0 * unit_uv, 1e-9 * unit_uv);
+  EXPECT_NEAR(json["noise_in_band_uv"].get<double>(), 3.0 * unit_uv, 1e-9 * unit_uv);
+  for (const char* key : {"noise_uv", "noise_in_band_uv"}) json.erase(key);
+  EXPECT_EQ(json, Json::parse(R"({
+      "mismatch": {"unit_capacitor_percent": 0.25, "systematic_units": 0.125, "seed": 5, "draws": 300},
+      "settling_limit_hz": 6.5, "settling": {"opamp_gain_bandwidth_hz": 8.5, "opamp_gain": 9.5, "error_percent": 10.5},
+      "noise_kt_per_cu": 16, "noise_in_band_kt_per_cu": 9, "noise": {"unit_capacitance_f": 2e-15, "temperature_k": 400},
+      "cams": [{"name": "A", "gain": 1.5, "settling_product_hz": 2.5, "settling_percent": 5.5, "peak_node_gain": 3.5,
+                "noise_kt_per_cu": 4, "noise_in_band_kt_per_cu": 4.5}]})"));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
@@ -11,6 +13,7 @@
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"
 #include "fpaa/streams/board_networks.hpp"
+#include "fpaa/streams/netlist.hpp"
 #include "fpaa/streams/plan_stream.hpp"
 #include "fpaa/streams/stream_check.hpp"
 #include "fpaa/streams/stream_file.hpp"
@@ -99,6 +102,85 @@ TEST(An231Plan, ParallelPathsOfSeveralClocksOverTwoChips) {
   EXPECT_EQ(files.paths().size(), 5u);
   // One clock below 31.4 kHz is none here: no warning of it.
   for (const std::string& w : streams.warnings) EXPECT_THAT(w, Not(HasSubstr("No public stream")));
+}
+
+/// The bytes said in words are the plan: clocks, capacitors, op-amps, cells, and of each stage its z-transfer.
+TEST(An231Plan, WhatItsBytesAreSaidToMakeIsThePlan) {
+  const Plan plan = parallel_plan();
+  const PlanStreams streams = value_or_throw(plan_streams(plan));
+  const BoardCircuit board = read_back(plan, streams);
+  const Json json = board_json(board);
+  const std::string text = board_text(board);
+  const Json stream = stream_json(streams, 0.25);
+  std::size_t stage_at = 0;
+  ASSERT_EQ(json["chips"].size(), plan.chips.size());
+  for (std::size_t i = 0; i < plan.chips.size(); ++i) {
+    const ChipPlan& chip = plan.chips[i];
+    const Json& said = json["chips"][i];
+    EXPECT_EQ(said["chip"], chip.chip);
+    EXPECT_EQ(said["problems"].size() + said["unexplained"].size(), 0u);
+    EXPECT_EQ(said["clocks_hz"]["sys1_hz"], 16e6);
+    std::map<int, std::multiset<int>> units, found;
+    std::map<int, int> opamps;
+    for (const PlacedCam& cam : chip.cams) {
+      const StageSwitches stage = *cam.cam->switches(cam);
+      for (const StageCapacitor& c : stage.capacitors) units[cam.cab].insert(static_cast<int>(c.units));
+      opamps[cam.cab] += static_cast<int>(stage.opamps.size());
+      EXPECT_NEAR(said["clocks_hz"]["clock" + std::to_string(cam.clock_index) + "_hz"].get<double>(),
+                  cam.clock_a.value, 1e-6);
+    }
+    for (const Json& cab : said["cabs"]) {
+      int on = 0;
+      for (const Json& amp : cab["opamps"]) on += amp["on"] ? 1 : 0;
+      EXPECT_EQ(on, opamps[cab["cab"]]) << cab["cab"];
+      for (const Json& c : cab["capacitors"]) found[cab["cab"]].insert(c["units"].get<int>());
+    }
+    std::erase_if(found, [](const auto& one) { return one.second.empty(); });
+    EXPECT_EQ(found, units);
+    const auto pins = streams.pins_of(chip.chip);
+    EXPECT_EQ(stream["chips"][i]["pins"], Json(pins));
+    EXPECT_EQ(said["io_cells"].size(), pins.size());
+    for (const Json& cell : said["io_cells"]) {
+      const bool output = pins.at("out1") == cell["cell"];
+      EXPECT_EQ(cell["mode"], output ? "output, bypass" : "input, bypass");
+      EXPECT_EQ(cell.contains("driven_by"), output);
+    }
+  }
+  // Stages of one op-amp.
+  for (const Json& stage : json["stages"]) {
+    const auto of = [&](const char* key, const Json& list, RadPerSecond w, double clock) {
+      Complex sum = 0.0;
+      for (std::size_t k = 0; k < list.size(); ++k)
+        sum += list[k].get<double>() * std::polar(1.0, -static_cast<double>(k) * w.value / clock);
+      EXPECT_FALSE(list.empty()) << key;
+      return sum;
+    };
+    ASSERT_TRUE(stage.contains("z_denominator")) << stage;
+    EXPECT_FALSE(stage["half_period_output"].get<bool>());
+    EXPECT_EQ(stage["inputs"].size(), stage["z_numerators"].size());
+    const double clock = stage["clock_hz"];
+    const RadPerSecond w{0.3 * clock};
+    for (const ChipPlan& chip : plan.chips) {
+      for (const PlacedCam& cam : chip.cams) {
+        const std::string out = "chip" + std::to_string(chip.chip) + ".CAB" + std::to_string(cam.cab) + ".op";
+        const std::string amp = stage["output"].get<std::string>();
+        if (!amp.starts_with(out) || std::abs(cam.clock_a.value - clock) > 1e-6 ||
+            cam.cam->switches(cam)->opamps.size() > 1)
+          continue;
+        ++stage_at;
+        EXPECT_THAT(text, HasSubstr(amp + " at "));
+        double nearest = 1e300;
+        for (const Json& numerator : stage["z_numerators"])
+          nearest = std::min(nearest, std::abs(of("above", numerator, w, clock) /
+                                                   of("below", stage["z_denominator"], w, clock) -
+                                               cam.z.response(w, cam.clock_a, 1)));
+        EXPECT_LT(nearest, 1e-9) << cam.name;
+      }
+    }
+  }
+  EXPECT_EQ(stage_at, 4u);
+  EXPECT_THAT(text, HasSubstr("chip2.IO"));
+  EXPECT_EQ(stream["largest_difference_percent"], 0.25);
 }
 
 TEST(An231Plan, OneInputMayFeedTwoChips) {

@@ -1,4 +1,5 @@
 #include "fpaa/trim/trim.hpp"
+#include "base/documents/json.hpp"
 
 #include <gtest/gtest.h>
 
@@ -275,6 +276,19 @@ TEST(Trim, TheEstimateBalancesPriorAndMeasurement) {
       }
     }
   }
+}
+
+TEST(Trim, SaysWhatItChanges) {
+  Trim trim;
+  trim.improved = true;
+  trim.array = UnitArray::nested;
+  trim.before = {1.5, 2.5};
+  trim.after = {0.25, 0.5};
+  trim.estimate.noise = 0.25;
+  trim.changes = {{"chip1.A.Cin", 7, 9}};
+  EXPECT_EQ(trim.to_json(), Json::parse(R"({"improved": true, "unit_array": "nested",
+      "before": {"median_percent": 1.5, "p95_percent": 2.5}, "after": {"median_percent": 0.25, "p95_percent": 0.5},
+      "measurement_deviation_percent": 25, "changes": [{"capacitor": "chip1.A.Cin", "before": 7, "after": 9}]})"));
 }
 
 }  // namespace

@@ -54,6 +54,11 @@ def sections(cascade: bs.Cascade) -> bs.Sections:
     return bs.approximate(cascade, max_error_db=0.05)
 
 
+@pytest.fixture(scope="session")
+def plan(sections: bs.Sections) -> bs.Plan:
+    return bs.fpaa(sections)
+
+
 def assert_same(mine: dict[str, Any], written: dict[str, Any]) -> None:
     """All that a call says stands in the command's file, to the last bit; inputs and times apart."""
     for key, value in mine.items():

@@ -12,11 +12,6 @@ import pytest
 import bodesmith as bs
 
 
-@pytest.fixture(scope="module")
-def plan(sections):
-    return bs.fpaa(sections)
-
-
 def test_margins_are_the_command_lines(program, tmp_path):
     loop = bs.Sections.from_dict(
         {"gain": 1.0, "sections": [{"gain": 4e6, "zeros_rad_s": [], "poles_rad_s": [[-10.0, 0.0], [-2000.0, 0.0]]}]}

@@ -12,11 +12,6 @@ import bodesmith as bs
 from conftest import assert_same
 
 
-@pytest.fixture(scope="module")
-def plan(sections):
-    return bs.fpaa(sections)
-
-
 def test_plan_is_the_command_lines(plan, sections, program, tmp_path):
     sections.save(tmp_path / "sections.json")
     program("fpaa", "sections.json", "-o", "fpaa")

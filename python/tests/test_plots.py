@@ -25,13 +25,12 @@ def test_bode_plot_shows_the_responses(cascade, sections, tmp_path):
     assert (tmp_path / "bode.svg").stat().st_size > 5000
 
 
-def test_results_draw_themselves(cascade, sections, points, disturbance):
+def test_results_draw_themselves(cascade, sections, plan, points, disturbance):
     wanted = cascade.plot().axes[0].get_lines()[-1].get_xydata()
     assert wanted[:, 0] == pytest.approx(points.frequency_hz[1:])
-    plan = bs.fpaa(sections)
     assert len(plan.plot(sections).axes[0].get_lines()) == 3
     assert len(bs.layout(disturbance).plot().axes[0].patches) > 3
-    statistics = bs.yield_(sections, samples=200)
+    statistics = bs.yield_(sections, samples=50)
     assert first_line(statistics.plot())[:, 1] == pytest.approx(statistics.designs[0]["magnitude_db"]["p50"])
 
 

@@ -66,7 +66,7 @@ Answer analog_controller(const Call& call) {
   if (const std::string warning = generator::loop_warning(loop); !warning.empty())
     out.warnings.push_back(warning);
   OutputSet files;
-  generator::add_controller_files(built, "controller", generator::PartErrors(), body, files, "");
+  generator::add_controller_files(built, "controller", body, files, "");
   for (const auto& path : files.paths()) {
     if (path != "controller.json") out.files[path.string()] = *files.content(path);
   }

@@ -122,7 +122,7 @@ Answer realise_circuit(const Call& call) {
   out.result = document("circuit", body, seconds);
   out.warnings.insert(out.warnings.end(), opamps.warnings.begin(), opamps.warnings.end());
   OutputSet files;
-  synthesis::add_compensator_files(made, "compensator", {}, files);
+  synthesis::add_compensator_files(made, "compensator", files);
   for (const auto& path : files.paths()) out.files[path.string()] = *files.content(path);
   return out;
 }

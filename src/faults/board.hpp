@@ -7,13 +7,14 @@
 
 #include "faults/fault.hpp"
 #include "faults/measurement.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::faults {
 
 /// What the probabilities of a board's parts rest on.
-struct Spread {
-  double resistor_percent = 1.0;
-  double capacitor_percent = 1.0;
+struct Spread : schematic::Tolerances {
+  explicit Spread(const schematic::Tolerances& parts = {.resistor_percent = 1.0, .capacitor_percent = 1.0})
+      : Tolerances(parts) {}
   double opamp_percent = 30.0;          ///< standard deviation of gain-bandwidth and output resistance
   double stray_f = 3e-12;               ///< standard deviation of the stray capacitance at a node
   double unit_capacitor_percent = 0.5;  ///< FPAA: MismatchModel::unit_percent

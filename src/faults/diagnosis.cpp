@@ -154,6 +154,7 @@ void share_out(const Board& board, const std::vector<Finding>& findings, Diagnos
   const double best = findings.front().log_weight();
   double sum = 0.0;
   for (const Finding& f : findings) sum += std::exp(f.log_weight() - best);
+  out.log_evidence = best + std::log(sum);
   std::map<std::string, std::size_t> by_site;
   std::map<std::string, double> by_part;
   for (const Finding& f : findings) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 #include "base/documents/json.hpp"
@@ -108,7 +107,7 @@ void add_next(const synthesis::Circuit& circuit, const Board& board, const Diagn
 Measured measured_response(const fs::path& data, const fs::path& folder, const gap::SearchOptions& options,
                            OutputSet& measured, OutputSet& next) {
   Measured out;
-  const faults::Spread spread;
+  faults::Spread spread;
   faults::Measurement channels;
   channels.channels.push_back(faults::read_channel(data, "out", out.from));
   std::optional<synthesis::Circuit> circuit;
@@ -118,15 +117,11 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
   fs::path design;
   faults::DiagnosisOptions asked;
   asked.stop = [&options] { return options.stopped(); };
-  // Of circuit and board the one that with what is found in it leaves less: a fault moves a response further than they differ.
   const auto noise_percent = [&found] { return 100.0 * std::hypot(found.noise.gain, found.noise.phase); };
-  double least = std::numeric_limits<double>::infinity();
+  // Of circuit and board the one that makes the measurement more probable.
   const auto consider = [&](std::unique_ptr<Board> one, const fs::path& file, const char* name) {
     Diagnosis d = faults::diagnose_board(*one, asked);
-    const double left = rms(faults::differences_percent(
-        *one, d.suspects.empty() ? one->good_response() : one->response(d.suspects.front().best.effect())));
-    if (!(left < least)) return;
-    least = left;
+    if (made && !(d.log_evidence > found.log_evidence)) return;
     made = std::move(one);
     found = std::move(d);
     design = file;
@@ -134,10 +129,10 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
   };
   if (fs::exists(of_circuit)) {
     circuit = synthesis::CircuitFile::from_node(read_document(of_circuit, out.from)).circuit;
+    spread = faults::Spread(circuit->tolerances);
     consider(std::make_unique<faults::CircuitBoard>(*circuit, channels, spread), of_circuit, "the circuit");
   }
-  // What leaves no more than the noise leaves nothing to the board, whose search takes longest.
-  if (fs::exists(of_board) && (!made || least > noise_percent()))
+  if (fs::exists(of_board))
     consider(std::make_unique<faults::PlanBoard>(fpaa::Plan::read(of_board, out.from), channels, spread),
              of_board, "the board");
   if (!made) {

@@ -235,20 +235,6 @@ void read_hardware(const Node& node, bool stage, Project& out) {
   if (!out.circuit) node.at("controller").fail("needs [hardware.circuit], whose parts it is made of");
 }
 
-double tolerance_percent(const Node& node) {
-  const double out = node.positive();
-  if (!(out < 100.0)) node.fail(fmt::format("is {}, expected less than 100", rounded_text(out)));
-  return out;
-}
-
-tolerance::Spread read_spread(const Node& node) {
-  node.allow_only({"resistor_percent", "capacitor_percent"});
-  tolerance::Spread out;
-  if (node.has("resistor_percent")) out.resistor_percent = tolerance_percent(node.at("resistor_percent"));
-  if (node.has("capacitor_percent")) out.capacitor_percent = tolerance_percent(node.at("capacitor_percent"));
-  return out;
-}
-
 }  // namespace
 
 std::string_view to_string(Project::Choice choice) {
@@ -289,7 +275,8 @@ Project ProjectSource::project(Provenance& names) const {
   // What will be tracked decides, unless [choose] says otherwise.
   if (node.has("choose")) out.choice = read_choice(node.at("choose"));
   if (node.has("hardware")) read_hardware(node.at("hardware"), stage, out);
-  if (node.has("tolerances")) out.spread = read_spread(node.at("tolerances"));
+  if (node.has("tolerances"))
+    static_cast<schematic::Tolerances&>(out.spread) = synthesis::tolerances_from(node.at("tolerances"));
   if (stage) {
     out.plant = read_plant(node.at("plant"));
     out.track = read_track(node.at("track"));

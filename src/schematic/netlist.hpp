@@ -99,6 +99,7 @@ struct Group {
 };
 
 /// What is bought: the classes of parts written into Monte Carlo decks and schematics.
+/// What resistors and capacitors are bought for: drawn, ordered, and taken for granted when a built one is measured.
 struct Tolerances {
   double resistor_percent = 1.0;
   double capacitor_percent = 5.0;
@@ -238,6 +239,7 @@ struct Netlist {
   std::vector<ClockPhase> clock_phases;
   std::vector<Expression> expressions;
   std::vector<Instance> instances;
+  Tolerances tolerances;
   OpAmpModel opamp;
   std::vector<OpAmpModel> other_opamps;
   MultiplierModel multiplier;

@@ -138,6 +138,20 @@ class StageReader {
 
 }  // namespace
 
+schematic::Tolerances tolerances_from(const Node& node) {
+  node.allow_only({"resistor_percent", "capacitor_percent"});
+  schematic::Tolerances out;
+  const auto read = [&](const char* name, double& value) {
+    if (!node.has(name)) return;
+    value = node.at(name).positive();
+    if (!(value < 100.0))
+      node.at(name).fail(fmt::format("is {}, expected less than 100", rounded_text(value)));
+  };
+  read("resistor_percent", out.resistor_percent);
+  read("capacitor_percent", out.capacitor_percent);
+  return out;
+}
+
 Section section_from_node(const Node& node) {
   return {.gain = node.at("gain").number(),
           .zeros = roots_from(node.at("zeros_rad_s")),
@@ -154,6 +168,7 @@ CircuitFile CircuitFile::from_node(const Node& node) {
   node.expect_schema("circuit");
   CircuitFile out;
   if (node.has("opamp")) out.circuit.opamp = opamp_from(node.at("opamp"));
+  if (node.has("tolerances")) out.circuit.tolerances = tolerances_from(node.at("tolerances"));
   const std::vector<Node> stages = node.at("stages").items();
   if (stages.empty()) node.at("stages").fail("is empty, expected at least one stage");
   StageReader reader(out.circuit, stages.size());
@@ -242,6 +257,8 @@ Json to_json(const Realised& realised) {
                              {"realised", section_json(stage.realised)},
                              {"parts", parts}});
   }
+  out["tolerances"] = {{"resistor_percent", circuit.tolerances.resistor_percent},
+                       {"capacitor_percent", circuit.tolerances.capacitor_percent}};
   out["opamps"] = circuit.opamps.size();
   out["opamp"] = {{"name", circuit.opamp.name},
                   {"gain_bandwidth_hz", circuit.opamp.gain_bandwidth.value},

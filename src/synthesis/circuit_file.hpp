@@ -22,6 +22,9 @@ struct CircuitFile {
   static CircuitFile from_node(const Node& node);
 };
 
+/// `resistor_percent` and `capacitor_percent`, each above 0 and below 100; what is not there is as usual.
+schematic::Tolerances tolerances_from(const Node& node);
+
 /// A transfer as circuit.json has it: `gain`, `zeros_rad_s`, `poles_rad_s`.
 Section section_from_node(const Node& node);
 

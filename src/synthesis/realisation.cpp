@@ -67,7 +67,9 @@ BODESMITH_REGISTRY(Realisation, realisation_registry, "realization", opamp_rc, f
 
 Outcome<Realised> try_realise(const Sections& sections, const RealiseOptions& options) {
   options.limits.validate();
-  return realisation_registry().get(options.realisation).design(sections, options);
+  Outcome<Realised> out = realisation_registry().get(options.realisation).design(sections, options);
+  if (auto* made = std::get_if<Realised>(&out)) made->circuit.tolerances = options.tolerances;
+  return out;
 }
 
 Realised realise(const Sections& sections, const RealiseOptions& options) {

@@ -37,6 +37,7 @@ struct RealiseOptions {
   Series capacitors = Series::named("E12");
   /// Parts outside these are not used: a corner that cannot be reached with them is refused.
   PartLimits limits;
+  schematic::Tolerances tolerances;  ///< of what is bought; nothing is designed by them
   OpAmpModel opamp;
   /// In series with every C1 of a first-order stage, so that the op-amp before it does not ring. Without a
   /// value: a fifth of the op-amp's output resistance, none with exact parts, or where that would take more

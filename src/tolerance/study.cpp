@@ -264,6 +264,9 @@ Json table_json(const std::vector<Histogram>& all) {
 Json to_json(const Result& result, const Options& options) {
   Json out = {{"name", result.name},
               {"samples", result.samples},
+              {"tolerances",
+               {{"resistor_percent", options.spread.resistor_percent},
+                {"capacitor_percent", options.spread.capacitor_percent}}},
               {"worst_db", Json::object()},
               {"worst_deg", Json::object()},
               {"worst_percent", Json::object()}};

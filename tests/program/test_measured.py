@@ -27,8 +27,8 @@ def built(tmp_path_factory):
     return folder
 
 
-def measured(built, file):
-    done = run("run", PROJECT, "--measured", file, "-o", built, "--json")
+def measured(built, file, project=PROJECT):
+    done = run("run", project, "--measured", file, "-o", built, "--json")
     assert done.status == 0, done.err
     out = json.loads(done.out)
     assert json.loads((built / "measured/measured.json").read_text())["found"] == out["found"]
@@ -175,9 +175,16 @@ def test_a_capacitor_of_a_board_beside_a_circuit(tmp_path):
             for f, h in zip(at, board.gain(at))
         ]
         (tmp_path / name).write_text("frequency_hz,magnitude_db,phase_deg\n" + "\n".join(rows) + "\n")
-        done = run("run", project, "--measured", tmp_path / name, "-o", out, "--json")
-        assert done.status == 0, done.err
-        return json.loads(done.out)
+        return measured(out, tmp_path / name, project)
+
+    # A circuit of parts as they are ordered: 1 and 5 %.
+    circuit = json.loads((out / "spice/circuit.json").read_text())
+    draw = random.Random(5)
+    parts = [part["part"] for stage in circuit["stages"] for part in stage["parts"]]
+    off = [f"{part}={1 + draw.uniform(-1, 1) * (0.01 if part.startswith('R') else 0.05):.6g}" for part in parts]
+    bench("circuit", out, *off, "-o", tmp_path / "drawn.csv")
+    drawn = measured(out, tmp_path / "drawn.csv", project)
+    assert drawn["of"] == "the circuit" and drawn["verdict"] == "nothing_wrong" and drawn["found"] == []
 
     good = record("good.csv")
     assert good["of"] == "the board" and good["found"] == [] and good["next"] is None

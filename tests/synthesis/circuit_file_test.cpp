@@ -47,6 +47,7 @@ TEST(CircuitFile, ReadBackItIsTheSameCircuit) {
     options.realisation = how;
     options.limits = {1.0, 1e9, 1e-13, 1e-3};
     options.opamp.swing_v = 9.0;
+    options.tolerances = {.resistor_percent = 0.25, .capacitor_percent = 2.5};
     options.opamp.dc_gain = 2e5;
     const Realised made = realise(sections, options);
     const Circuit& there = made.circuit;
@@ -70,6 +71,8 @@ TEST(CircuitFile, ReadBackItIsTheSameCircuit) {
                 std::tie(b.name, b.group, b.plus, b.minus, b.out));
     }
     EXPECT_EQ(back.circuit.opamp.swing_v, 9.0);
+    EXPECT_EQ(back.circuit.tolerances.resistor_percent, 0.25);
+    EXPECT_EQ(back.circuit.tolerances.capacitor_percent, 2.5);
     EXPECT_EQ(back.circuit.opamp.dc_gain, 2e5);
     ASSERT_EQ(back.circuit.stages.size(), there.stages.size());
     const std::vector<Hertz> grid = log_grid(made.report.band, 9);

@@ -197,8 +197,7 @@ int run_controller(const std::vector<std::string>& arguments) {
   const bool met = keeps_limit(limit, generator::worst_percent(cases), "%", text, json);
   OutputSet out(line.output_path());
   text += add_part_errors(line, built, reference, json, out);
-  generator::add_controller_files(built, fmt::format("controller from {}", line.files()[0]),
-                                  generator::PartErrors(), json, out, "");
+  generator::add_controller_files(built, fmt::format("controller from {}", line.files()[0]), json, out, "");
   out.commit();
   return print_summary(line, text, json, met);
 }

@@ -31,8 +31,10 @@ void declare_board(CommandLine& line) {
                                "NODE=FILE.csv: the same measured from the input to a node; may be repeated");
   const faults::Spread spread;
   line.group("What is known of the parts and of the measurement");
-  line.option<double>("resistor-percent", "tolerance of the resistors", spread.resistor_percent);
-  line.option<double>("capacitor-percent", "tolerance of the capacitors", spread.capacitor_percent);
+  line.option<double>("resistor-percent",
+                      "tolerance of the resistors (default: the circuit's, of a netlist 1)");
+  line.option<double>("capacitor-percent",
+                      "tolerance of the capacitors (default: the circuit's, of a netlist 1)");
   line.option<double>("opamp-percent",
                       "standard deviation of the op-amps' gain-bandwidth and output resistance",
                       spread.opamp_percent);
@@ -45,10 +47,9 @@ void declare_board(CommandLine& line) {
   line.reads_measurements();
 }
 
-faults::Spread read_part_spread(const CommandLine& line) {
-  faults::Spread out;
-  out.resistor_percent = line.positive("resistor-percent");
-  out.capacitor_percent = line.positive("capacitor-percent");
+faults::Spread read_part_spread(const CommandLine& line, faults::Spread out) {
+  out.resistor_percent = line.maybe_positive("resistor-percent").value_or(out.resistor_percent);
+  out.capacitor_percent = line.maybe_positive("capacitor-percent").value_or(out.capacitor_percent);
   out.opamp_percent = line.positive("opamp-percent");
   out.stray_f = line.positive("stray-f");
   out.unit_capacitor_percent = line.positive("unit-mismatch-percent");
@@ -68,20 +69,23 @@ faults::Measurement read_channels(const CommandLine& line, Provenance& from) {
   return out;
 }
 
-/// A circuit.json, or a netlist of such elements.
-schematic::Netlist read_circuit(const std::string& file, Provenance& from) {
-  if (is_own_document(file)) return synthesis::CircuitFile::from_node(read_document(file, from)).circuit;
-  return read_netlist(file, from);
-}
-
-std::unique_ptr<faults::Board> read_board(const CommandLine& line, const faults::Spread& spread,
-                                          Provenance& from) {
+/// `spread`: of the circuit's own tolerances, and what is asked for.
+std::unique_ptr<faults::Board> read_board(const CommandLine& line, faults::Spread& spread, Provenance& from) {
   if (line.has("circuit") == line.has("plan")) line.fail("expected either --circuit or --plan");
   if (line.has("plan")) {
     const fpaa::Plan plan = fpaa::Plan::read(line.get<std::string>("plan"), from);
+    spread = read_part_spread(line, spread);
     return std::make_unique<faults::PlanBoard>(plan, read_channels(line, from), spread);
   }
-  const schematic::Netlist circuit = read_circuit(line.get<std::string>("circuit"), from);
+  const std::string file = line.get<std::string>("circuit");
+  schematic::Netlist circuit;
+  if (is_own_document(file)) {
+    circuit = synthesis::CircuitFile::from_node(read_document(file, from)).circuit;
+    spread = faults::Spread(circuit.tolerances);
+  } else {
+    circuit = read_netlist(file, from);
+  }
+  spread = read_part_spread(line, spread);
   return std::make_unique<faults::CircuitBoard>(circuit, read_channels(line, from), spread);
 }
 
@@ -95,7 +99,7 @@ int run_diagnose_board(const std::vector<std::string>& arguments) {
       "clock of an FPAA.");
   declare_board(line);
   if (!line.parse(arguments)) return kDone;
-  const faults::Spread spread = read_part_spread(line);
+  faults::Spread spread;
   Provenance from;
   const std::unique_ptr<faults::Board> board = read_board(line, spread, from);
   faults::DiagnosisOptions options;

@@ -78,7 +78,7 @@ std::string check_text(const synthesis::CompensatorCheck& check) {
 void write_circuit(const CommandLine& line, const synthesis::Realised& made, const Json& circuit) {
   OutputSet out(line.output_path());
   const std::string title = "compensator from " + join(line.files(), ", ");
-  synthesis::add_compensator_files(made, title, {}, out);
+  synthesis::add_compensator_files(made, title, out);
   out.add("circuit.json", to_text(circuit));
   out.commit();
 }

@@ -111,8 +111,8 @@ void declare_yield(CommandLine& line) {
       "corners",
       "uniform");
   line.option<double>("sigmas", "number of standard deviations that a tolerance stands for", s.sigmas);
-  line.option<double>("resistor-percent", "tolerance of the resistors", s.resistor_percent);
-  line.option<double>("capacitor-percent", "tolerance of the capacitors", s.capacitor_percent);
+  line.option<double>("resistor-percent", "tolerance of the resistors (default: the circuit's, else 1)");
+  line.option<double>("capacitor-percent", "tolerance of the capacitors (default: the circuit's, else 5)");
   add_mismatch_options(line);
   line.option<std::string>("sections", "FPAA: deviations of the board as it runs from these sections");
   line.option<double>("temperature-low-c", "lowest temperature; each circuit drawn is at one of its own",
@@ -142,8 +142,8 @@ tolerance::Spread read_spread(const CommandLine& line) {
   tolerance::Spread s;
   s.kind = line.choice("distribution", {Kind::uniform, Kind::gaussian, Kind::corners});
   s.sigmas = line.positive("sigmas");
-  s.resistor_percent = line.get<double>("resistor-percent");
-  s.capacitor_percent = line.get<double>("capacitor-percent");
+  if (line.has("resistor-percent")) s.resistor_percent = line.get<double>("resistor-percent");
+  if (line.has("capacitor-percent")) s.capacitor_percent = line.get<double>("capacitor-percent");
   s.mismatch = read_mismatch(line);
   s.temperature_low_c = line.get<double>("temperature-low-c");
   s.temperature_high_c = line.get<double>("temperature-high-c");
@@ -299,12 +299,23 @@ Json settings_json(const tolerance::Options& options) {
           {"designs", Json::array()}};
 }
 
+/// What is asked for; tolerances that are not asked for are the circuit's own.
+tolerance::Options options_of(const CommandLine& line, tolerance::Options options,
+                              const tolerance::Design& design) {
+  if (!design.netlist) return options;
+  const schematic::Tolerances& own = design.netlist->tolerances;
+  if (!line.has("resistor-percent")) options.spread.resistor_percent = own.resistor_percent;
+  if (!line.has("capacitor-percent")) options.spread.capacitor_percent = own.capacitor_percent;
+  return options;
+}
+
 /// The results of all designs, in their order; only the leader of the team has complete ones.
 std::vector<tolerance::Result> run_designs(const CommandLine& line,
                                            const std::vector<tolerance::Design>& designs,
-                                           tolerance::Options options, const Team& team) {
+                                           const tolerance::Options& asked, const Team& team) {
   std::vector<tolerance::Result> results;
   for (std::size_t i = 0; i < designs.size(); ++i) {
+    tolerance::Options options = options_of(line, asked, designs[i]);
     if (line.has("output"))
       options.checkpoint = line.output_path().string() + fmt::format(".checkpoint{}", i + 1);
     Progress progress("yield of " + designs[i].name);
@@ -355,12 +366,13 @@ int run_yield(const std::vector<std::string>& arguments) {
   const std::vector<tolerance::Result> results = run_designs(line, designs, options, *team);
   if (!team->leads()) return kDone;
   Json json = json_header("yield", from);
-  json.update(settings_json(options));
+  json.update(settings_json(options_of(line, options, designs[0])));
   std::string text;
   double min_yield = 100.0;
   for (std::size_t i = 0; i < designs.size(); ++i) {
     for (const std::string& one : designs[i].notes) note(one);
-    json["designs"].push_back(design_json(line, designs[i], results[i], options, plants[i], text));
+    json["designs"].push_back(
+        design_json(line, designs[i], results[i], options_of(line, options, designs[i]), plants[i], text));
     min_yield = std::min(min_yield, yield_percent(results[i]));
   }
   if (!nulls.empty()) {

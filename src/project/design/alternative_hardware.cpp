@@ -54,6 +54,7 @@ const std::optional<Outcome<synthesis::BuildChoice>>& AlternativeHardware::circu
     search.options.realisation = project_.circuit->realisation;
     search.options.resistors = synthesis::Series::named(project_.circuit->resistors);
     search.options.capacitors = synthesis::Series::named(project_.circuit->capacitors);
+    search.options.tolerances = project_.tolerances();
     search.may_choose = !project_.plant && search.options.realisation == Project::Circuit{}.realisation;
     place.circuit = synthesis::realise_for_building(
         project_.plant ? place.sections : stating_band(place.sections, place.band), search);

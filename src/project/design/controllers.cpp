@@ -16,6 +16,7 @@ generator::Options controller_options(const Project& project) {
   generator::Options options(generator::Form::self_fed);
   options.resistors = synthesis::Series::named(project.circuit->resistors);
   options.capacitors = synthesis::Series::named(project.circuit->capacitors);
+  options.tolerances = project.tolerances();
   options.tracked = project.track.frequency;
   options.reference_stroke = project.track.amplitude();
   for (const auto shape : project.track.waveforms) {

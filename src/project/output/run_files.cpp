@@ -48,7 +48,7 @@ void add_board(const Run& run, OutputSet& out) {
 void add_circuit(const Run& run, OutputSet& out) {
   const synthesis::Candidate& best = run.design.circuit->best;
   OutputSet spice;
-  synthesis::add_compensator_files(best.made, run.project.name, run.project.tolerances(), spice);
+  synthesis::add_compensator_files(best.made, run.project.name, spice);
   out.include("spice", spice);
   Json json = synthesis::to_json(best.made);
   json["judged"] = synthesis::judged_json(best.judged, best.judged_band);
@@ -58,6 +58,7 @@ void add_circuit(const Run& run, OutputSet& out) {
 
 std::string yield_file(const Run& run) {
   tolerance::Options options;
+  options.spread = run.project.spread;
   options.limit_db = run.project.limits.yield_db;
   return json_file("yield", run,
                    {{"designs", Json::array({tolerance::to_json(*run.design.yield, options)})}});
@@ -79,7 +80,7 @@ void add_controller(const Run& run, OutputSet& out) {
     out.add("controller/trim.md",
             tolerance::trim_page(*run.part_errors, controller, "the controller of " + run.project.name));
   }
-  generator::add_controller_files(controller, run.project.name, run.project.controller.errors, json, out);
+  generator::add_controller_files(controller, run.project.name, json, out);
 }
 
 }  // namespace

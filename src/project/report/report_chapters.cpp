@@ -180,7 +180,6 @@ void circuit_chapter(report::Page& page, const Run& run) {
                                                      .title = "Op-amp circuit",
                                                      .comment = "",
                                                      .ports = {"in", "out"},
-                                                     .tolerances = {},
                                                      .board = false}),
               "With connectors, supplies and decoupling on sheets of KiCad in the folder of the circuit.");
   page.table(

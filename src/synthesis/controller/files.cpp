@@ -82,9 +82,8 @@ Json controller_json(const DisturbanceCircuit& controller) {
   return out;
 }
 
-void add_controller_files(const DisturbanceCircuit& controller, const std::string& title,
-                          const schematic::Tolerances& tolerances, const Json& json, OutputSet& out,
-                          const std::filesystem::path& folder) {
+void add_controller_files(const DisturbanceCircuit& controller, const std::string& title, const Json& json,
+                          OutputSet& out, const std::filesystem::path& folder) {
   out.add(folder / "controller.sub", controller_library(controller, title));
   out.add(folder / "parts.csv", schematic::parts_csv(controller));
   out.add(folder / "controller.json", to_text(json));
@@ -94,8 +93,7 @@ void add_controller_files(const DisturbanceCircuit& controller, const std::strin
        .title = title,
        .comment = fmt::format("bodesmith {}; op-amps {}, slope detector {}", kVersion, controller.opamp.name,
                               controller.other_opamps.at(0).name),
-       .ports = {"r", "v"},
-       .tolerances = tolerances},
+       .ports = {"r", "v"}},
       out, folder);
 }
 

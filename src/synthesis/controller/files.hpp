@@ -14,8 +14,7 @@ Json controller_json(const DisturbanceCircuit& controller);
 
 /// controller.sub, parts.csv, controller.svg, the KiCad project and controller.json (`json`: what controller_json() gives, with header and whatever is known
 /// of the design as built) below `folder`.
-void add_controller_files(const DisturbanceCircuit& controller, const std::string& title,
-                          const schematic::Tolerances& tolerances, const Json& json, OutputSet& out,
-                          const std::filesystem::path& folder = "controller");
+void add_controller_files(const DisturbanceCircuit& controller, const std::string& title, const Json& json,
+                          OutputSet& out, const std::filesystem::path& folder = "controller");
 
 }  // namespace bodesmith::generator

@@ -73,10 +73,9 @@ schematic::SpiceLibrary compensator_library(const Circuit& circuit, const std::s
   return out;
 }
 
-void add_compensator_files(const Realised& realised, const std::string& title,
-                           const schematic::Tolerances& tolerances, OutputSet& out) {
+void add_compensator_files(const Realised& realised, const std::string& title, OutputSet& out) {
   const Circuit& circuit = realised.circuit;
-  const DeckRequest request{circuit, title, realised.report.band, tolerances};
+  const DeckRequest request{circuit, title, realised.report.band};
   out.add("compensator.sub", schematic::spice_text(compensator_library(circuit, title)));
   for (const Dialect* dialect : dialect_registry().all()) {
     for (const Deck& deck : dialect->decks(request)) out.add(deck.file, deck.text);
@@ -89,8 +88,7 @@ void add_compensator_files(const Realised& realised, const std::string& title,
                            {.stem = "compensator",
                             .title = title,
                             .comment = fmt::format("bodesmith {}; op-amps {}", kVersion, circuit.opamp.name),
-                            .ports = {"in", "out"},
-                            .tolerances = tolerances},
+                            .ports = {"in", "out"}},
                            out);
 }
 

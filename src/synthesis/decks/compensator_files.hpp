@@ -16,8 +16,7 @@ schematic::SpiceLibrary compensator_library(const Circuit& circuit, const std::s
 
 /// Every file of `spice -o DIR` but circuit.json: compensator.sub, parts.csv, the decks of every dialect in
 /// dialect_registry(), and the KiCad project compensator.kicad_pro.
-void add_compensator_files(const Realised& realised, const std::string& title,
-                           const schematic::Tolerances& tolerances, OutputSet& out);
+void add_compensator_files(const Realised& realised, const std::string& title, OutputSet& out);
 
 /// ngspice against the program's own figures for one circuit.
 struct CompensatorCheck {

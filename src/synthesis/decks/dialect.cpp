@@ -24,7 +24,7 @@ using schematic::plain_number;
 Deck deck_from_template(const std::string& file, const DeckRequest& request,
                         const std::vector<TemplateLines>& lists) {
   const double middle_hz = std::sqrt(request.band.from.value * request.band.to.value);
-  const schematic::Tolerances& tolerances = request.tolerances;
+  const schematic::Tolerances& tolerances = request.circuit.tolerances;
   Json data = {{"title", plain_title(request.title)},
                {"from_hz", plain_number(request.band.from.value)},
                {"to_hz", plain_number(request.band.to.value)},

@@ -16,7 +16,6 @@ struct DeckRequest {
   const Circuit& circuit;
   std::string title;
   Band band;  ///< of the small-signal and noise decks; the transient's triangle is at its middle
-  schematic::Tolerances tolerances;  ///< of the Monte Carlo decks
 };
 
 struct Deck {

@@ -38,6 +38,7 @@ Builder::Builder(const Input& input, const Options& options, int size, const Dis
       size_(size) {
   out_.form = options.form;
   out_.disturbance = disturbance;
+  out_.tolerances = options.tolerances;
   out_.multiplier = options.multiplier;
   out_.opamp = options.opamp;
   out_.other_opamps = {options.fast_opamp};

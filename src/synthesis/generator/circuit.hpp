@@ -26,6 +26,9 @@ using schematic::Purpose;
 using schematic::SwitchModel;
 using schematic::SwitchTimer;
 
+/// What controllers are made of, if nothing else is asked: multipliers and inverses add up what parts are off by.
+constexpr schematic::Tolerances kPreciseParts{.resistor_percent = 0.1, .capacitor_percent = 1.0};
+
 /// What the generator of d(x) is built into: nothing (the output is d(x)), or the inverse of y = v + K d(v) (facts/tracking.md).
 enum class Form {
   open,      ///< d(x), x from outside
@@ -58,6 +61,7 @@ struct Options {
   schematic::OpAmpModel fast_opamp;  ///< of the slope detector; default: AD8066
   synthesis::Series resistors = synthesis::Series::named("E96");
   synthesis::Series capacitors = synthesis::Series::named("E12");
+  schematic::Tolerances tolerances = kPreciseParts;
   std::optional<SwitchModel> analog_switch;  ///< none: SwitchModel::for_branches
   Hertz lowest{1.0};  ///< of the slowest reference, which the slope detector must follow
 

@@ -257,8 +257,7 @@ kicad::SheetOptions sheet_of(const DisturbanceCircuit& layout, const std::string
   return {.stem = "layout",
           .title = title,
           .comment = fmt::format("bodesmith {}; op-amps {}", kVersion, layout.opamp.name),
-          .ports = layout.ports(),
-          .tolerances = PartErrors()};
+          .ports = layout.ports()};
 }
 
 }  // namespace

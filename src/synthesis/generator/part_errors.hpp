@@ -17,7 +17,7 @@ namespace bodesmith::generator {
 /// tolerance (uniform); everything else is normal, the figure being the standard deviation (what data sheets call
 /// typical), cut at three of them. Every part is drawn by itself, but for the op-amps' speed, which is one lot's.
 struct PartErrors : schematic::Tolerances {
-  PartErrors() : Tolerances{.resistor_percent = 0.1, .capacitor_percent = 1.0} {}
+  PartErrors() : Tolerances(kPreciseParts) {}
   double reference_percent = 0.05;
   double multiplier_input_v = 3e-3;   ///< offset of X and of Y; the other input's feedthrough is that over U
   double multiplier_output_v = 5e-3;  ///< offset of W

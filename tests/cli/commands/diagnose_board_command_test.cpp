@@ -39,6 +39,7 @@ TEST(DiagnoseBoard, SaysWhatCannotBeToldApartAndWhereToProbe) {
   EXPECT_LT(found.at("nothing_wrong_probability").number(), 1e-3);
   EXPECT_GT(found.at("timing_s").at("compute").number(), 0.0);
   EXPECT_EQ(found.at("inputs").size(), 2u);
+  EXPECT_EQ(found.at("tolerances").at("capacitor_percent").number(), 5.0);  // as `spice` orders them
   EXPECT_NE(read_file(folder / "out/report.html").find("<svg"), std::string::npos);
   EXPECT_NE(run.out.find("\"verdict\": \"tie\""), std::string::npos);
 }

@@ -32,7 +32,7 @@ TEST(OwnDialect, IsEmittedWithTheOthers) {
   const Realised made = realise(seed_sections());
   const TemporaryFolder folder;
   OutputSet out(folder / "made");
-  add_compensator_files(made, "seed", {}, out);
+  add_compensator_files(made, "seed", out);
   out.commit();
   for (const char* file :
        {"compensator.sub", "parts.csv", "ac.cir", "transient.cir", "noise.cir", "monte_carlo_ngspice.cir",
@@ -47,8 +47,9 @@ TEST(OwnDialect, IsEmittedWithTheOthers) {
 
 TEST(CompensatorFiles, HaveTheFilesOfAKicadProject) {
   OutputSet out;
-  add_compensator_files(realise(seed_sections()), "seed",
-                        {.resistor_percent = 0.25, .capacitor_percent = 2.5}, out);
+  RealiseOptions options;
+  options.tolerances = {.resistor_percent = 0.25, .capacitor_percent = 2.5};
+  add_compensator_files(realise(seed_sections(), options), "seed", out);
   const auto paths = out.paths();
   for (const char* file :
        {"compensator.kicad_pro", "compensator.kicad_sch", "bodesmith.kicad_sym", "sym-lib-table"}) {

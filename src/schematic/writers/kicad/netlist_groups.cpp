@@ -52,8 +52,8 @@ std::vector<std::string> part_references(const Netlist& netlist, ReferenceCounte
 class GroupMaker {
  public:
   GroupMaker(const Netlist& netlist, const std::vector<std::string>& ports,
-             const schematic::Tolerances& tolerances, const std::vector<ChainStage>& chain)
-      : netlist_(netlist), ports_(ports), tolerances_(tolerances), chain_(chain) {
+             const std::vector<ChainStage>& chain)
+      : netlist_(netlist), ports_(ports), chain_(chain) {
     const std::vector<std::string> references = part_references(netlist, counter_);
     for (std::size_t i = 0; i < references.size(); ++i) references_[netlist.parts[i].name] = references[i];
     for (const OpAmp& one : netlist.opamps) place_opamp(one);
@@ -152,14 +152,14 @@ class GroupMaker {
     out.value = kicad_value(part.realised);
     out.footprint = resistor ? "Resistor_SMD:R_0603_1608Metric" : capacitor_footprint(part.realised);
     const char* const unit = resistor ? " ohm" : " F";
-    out.fields = {
-        {"Netlist", part.name},
-        {"Series", part.series},
-        {"Tolerance",
-         rounded_text(resistor ? tolerances_.resistor_percent : tolerances_.capacitor_percent) + "%"},
-        {"Wanted", plain_number(part.wanted) + unit},
-        {"Realised", plain_number(part.realised) + unit},
-        {"Section", section_name(part.group)}};
+    out.fields = {{"Netlist", part.name},
+                  {"Series", part.series},
+                  {"Tolerance", rounded_text(resistor ? netlist_.tolerances.resistor_percent
+                                                      : netlist_.tolerances.capacitor_percent) +
+                                    "%"},
+                  {"Wanted", plain_number(part.wanted) + unit},
+                  {"Realised", plain_number(part.realised) + unit},
+                  {"Section", section_name(part.group)}};
     return out;
   }
 
@@ -280,7 +280,6 @@ class GroupMaker {
 
   const Netlist& netlist_;
   const std::vector<std::string>& ports_;
-  const schematic::Tolerances& tolerances_;
   const std::vector<ChainStage>& chain_;
   std::vector<Package> packages_;
   std::vector<SwitchPackage> switches_;
@@ -293,8 +292,8 @@ class GroupMaker {
 }  // namespace
 
 NetlistGroups netlist_groups(const Netlist& netlist, const std::vector<std::string>& ports,
-                             const schematic::Tolerances& tolerances, const std::vector<ChainStage>& chain) {
-  return GroupMaker(netlist, ports, tolerances, chain).groups();
+                             const std::vector<ChainStage>& chain) {
+  return GroupMaker(netlist, ports, chain).groups();
 }
 
 std::string kicad_value(double value) {

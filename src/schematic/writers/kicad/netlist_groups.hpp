@@ -21,7 +21,6 @@ struct NetlistGroups {
   std::vector<Group> sections, board;
 };
 NetlistGroups netlist_groups(const schematic::Netlist& netlist, const std::vector<std::string>& ports,
-                             const schematic::Tolerances& tolerances,
                              const std::vector<ChainStage>& chain = {});
 
 /// 20500 is "20.5k", 1e-8 is "10n"; up to 6 digits.

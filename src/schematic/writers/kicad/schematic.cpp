@@ -82,7 +82,7 @@ void add_project_files(const std::vector<Sheet>& sheets, const std::string& stem
 
 /// Every group on one sheet, the smallest paper from A4 to A0 that holds them.
 Sheet one_sheet(const schematic::Netlist& netlist, const SheetOptions& options) {
-  const NetlistGroups groups = netlist_groups(netlist, options.ports, options.tolerances);
+  const NetlistGroups groups = netlist_groups(netlist, options.ports);
   std::vector<const Group*> all;
   for (const Group& group : groups.sections) all.push_back(&group);
   if (options.board)
@@ -99,7 +99,7 @@ class Schematic {
   Schematic(const schematic::Netlist& netlist, const std::vector<ChainStage>& chain,
             const SheetOptions& options)
       : stem_(options.stem) {
-    NetlistGroups groups = netlist_groups(netlist, options.ports, options.tolerances, chain);
+    NetlistGroups groups = netlist_groups(netlist, options.ports, chain);
     groups_ = std::move(groups.sections);
     board_ = std::move(groups.board);
   }

@@ -16,8 +16,7 @@ struct SheetOptions {
   std::string title;
   std::string comment;
   std::vector<std::string> ports;  ///< nodes with a connector
-  schematic::Tolerances tolerances;
-  bool board = true;  ///< connectors and supplies too, not the signal's way alone
+  bool board = true;               ///< connectors and supplies too, not the signal's way alone
 };
 
 /// Any netlist as one sheet, a section a group (netlist_groups.hpp), +-12 V for op-amps and switch, +-5 V for the multipliers.

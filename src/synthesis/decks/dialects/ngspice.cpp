@@ -23,7 +23,7 @@ class NgspiceDialect final : public Dialect {
  private:
   /// ngspice names a part of a subcircuit r.xc.x1.r1_1.
   static std::vector<std::string> alters(const DeckRequest& request) {
-    const schematic::Tolerances& tolerances = request.tolerances;
+    const schematic::Tolerances& tolerances = request.circuit.tolerances;
     std::vector<std::string> out;
     for (const schematic::Part& part : request.circuit.parts) {
       const bool resistor = part.kind == schematic::Part::Kind::resistor;

@@ -159,16 +159,10 @@ void Page::figure(const std::string& svg, const std::string& caption) {
 }
 
 void Page::plots(const std::vector<Plot>& plots, const std::string& caption) {
-  // A loop of a million samples would be a drawing of many megabytes.
-  std::vector<Plot> drawn = plots;
-  for (Plot& plot : drawn) {
-    for (Series& series : plot.series)
-      series = thinned(std::move(series), kMostLivePoints, plot.x.logarithmic);
-  }
   body() += fmt::format(
       "<figure class=\"plots\"><div class=\"live\"></div><div class=\"still\">{}</div><script "
       "type=\"application/json\">{}</script><figcaption>{}</figcaption></figure>\n",
-      drawing(stack_svg(drawn)), json_for_script(live_plots(plots)), escape_xml(caption));
+      drawing(stack_svg(plots)), json_for_script(live_plots(plots)), escape_xml(caption));
 }
 
 void Page::choices(const Table& rows, const std::string& caption, const std::vector<Choice>& choices,

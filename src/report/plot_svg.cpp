@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "report/scale.hpp"
+#include "report/script_data.hpp"
 #include "report/svg.hpp"
 
 namespace bodesmith::report {
@@ -32,9 +33,6 @@ constexpr int kTop = 34;
 constexpr int kBottom = 48;
 constexpr int kLegendRow = 18;
 
-/// Records longer than this are thinned to what can be seen.
-constexpr std::size_t kMaxPathPoints = 4000;
-
 /// The diagram's frame in pixels, and its two scales.
 struct Frame {
   double right;
@@ -45,8 +43,6 @@ struct Frame {
   bool drawable(const Series& series, std::size_t i) const {
     return x.drawable(series.x[i]) && y.drawable(series.y[i]);
   }
-  /// Half-pixel column of a point.
-  double column(const Series& series, std::size_t i) const { return std::floor(x.pixel(series.x[i]) * 2.0); }
 };
 
 Frame make_frame(const Plot& plot) {
@@ -125,46 +121,16 @@ class PathText {
   bool pen_down_ = false;
 };
 
-/// Of points first .. last - 1 in one pixel column only the first, the lowest, the highest and the last can be seen, in
-/// the order of the record.
-void add_column(PathText& path, const Series& series, std::size_t first, std::size_t last) {
-  std::size_t lowest = first;
-  std::size_t highest = first;
-  for (std::size_t i = first; i < last; ++i) {
-    if (series.y[i] < series.y[lowest]) lowest = i;
-    if (series.y[i] > series.y[highest]) highest = i;
-  }
-  const std::array<std::size_t, 4> shown{first, std::min(lowest, highest), std::max(lowest, highest),
-                                         last - 1};
-  for (std::size_t k = 0; k < shown.size(); ++k) {
-    if (k == 0 || shown[k] != shown[k - 1]) path.point(shown[k]);
-  }
-}
-
 std::string path_of(const Series& series, const Frame& frame) {
-  const std::size_t n = std::min(series.x.size(), series.y.size());
   PathText path(series, frame);
-  for (std::size_t i = 0; i < n;) {
-    if (!frame.drawable(series, i)) {
-      path.lift();
-      ++i;
-      continue;
-    }
-    if (n <= kMaxPathPoints) {
-      path.point(i++);
-      continue;
-    }
-    const double column = frame.column(series, i);
-    std::size_t last = i;
-    while (last < n && frame.drawable(series, last) && frame.column(series, last) == column) ++last;
-    add_column(path, series, i, last);
-    i = last;
-  }
+  for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i)
+    frame.drawable(series, i) ? path.point(i) : path.lift();
   return path.text();
 }
 
 void draw_series(const Plot& plot, std::size_t index, const Frame& frame, std::string& out) {
-  const Series& series = plot.series[index];
+  // A loop of a million samples would be a drawing of many megabytes.
+  const Series series = thinned(plot.series[index], kMostLivePoints, plot.x.logarithmic);
   const std::string colour = colour_of(plot, index);
   auto sink = std::back_inserter(out);
   if (series.style != Series::Style::marks) {

@@ -7,6 +7,11 @@
 #include "base/whole_number.hpp"
 
 namespace bodesmith::report {
+namespace {
+
+constexpr std::size_t kFewestTicks = 4;
+
+}  // namespace
 
 std::vector<double> linear_ticks(double from, double to, int count) {
   std::vector<double> ticks;
@@ -30,12 +35,14 @@ std::vector<double> logarithmic_ticks(double from, double to) {
   const double decades = std::log10(to / from);
   // Many decades: every second or third one, so that the numbers do not run into one another.
   const int stride = whole_number(std::ceil(decades / 9.0), 1);
+  const bool few =
+      std::floor(std::log10(to) + 1e-9) - std::ceil(std::log10(from) - 1e-9) + 1.0 < kFewestTicks;
   const int first = whole_number(std::floor(std::log10(from)), -400, 400);
   const int last = whole_number(std::ceil(std::log10(to)), -400, 400);
   for (int e = first; e <= last; ++e) {
     if (((e % stride) + stride) % stride != 0) continue;
     for (const double factor : {1.0, 2.0, 5.0}) {
-      if (factor > 1.0 && decades > 2.0) continue;
+      if (factor > 1.0 && !few) continue;
       const double value = factor * std::pow(10.0, e);
       if (value >= from * (1.0 - 1e-9) && value <= to * (1.0 + 1e-9)) ticks.push_back(value);
     }
@@ -95,20 +102,9 @@ Range with_margin(Range range, bool logarithmic) {
 }
 
 std::vector<double> Scale::ticks(int count) const {
-  constexpr std::size_t kFewest = 4;
   std::vector<double> out = logarithmic ? logarithmic_ticks(from, to) : linear_ticks(from, to, count);
-  if (logarithmic && out.size() < kFewest) {
-    // Few decades: 2 and 5 times them too.
-    out.clear();
-    for (double decade = std::pow(10.0, std::floor(std::log10(from))); decade <= to; decade *= 10.0) {
-      for (const double factor : {1.0, 2.0, 5.0}) {
-        const double value = factor * decade;
-        if (value >= from * (1.0 - 1e-9) && value <= to * (1.0 + 1e-9)) out.push_back(value);
-      }
-    }
-  }
   // Within a decade, or where steps of 1, 2 and 5 fall badly.
-  for (int more = logarithmic ? count : count + 1; out.size() < kFewest && more < 4 * count; ++more)
+  for (int more = logarithmic ? count : count + 1; out.size() < kFewestTicks && more < 4 * count; ++more)
     out = linear_ticks(from, to, more);
   return out;
 }

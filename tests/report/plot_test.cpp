@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <set>
 
 #include <algorithm>
 #include <cmath>
@@ -203,31 +202,6 @@ TEST(Plot, ALongRecordIsThinnedToWhatCanBeSeen) {
   EXPECT_LT(svg.size(), 200000u);
   // The one spike is still there: y = 5 on the axis -2..6 of a plot 340 high.
   EXPECT_NE(svg.find(" 66.25"), std::string::npos);
-}
-
-// Of a rising line the first and the last point of each half of a pixel are drawn, to the very last one.
-TEST(Plot, ARisingLineHasTwoPointsToHalfAPixel) {
-  Plot plot;
-  Series series;
-  for (int i = 0; i < 50000; ++i) {
-    series.x.push_back(i);
-    series.y.push_back(i);
-  }
-  plot.series.push_back(series);
-  const std::string svg = to_svg(plot);
-  const std::size_t from = svg.find("<path d=\"M", svg.find("stroke-linejoin") == std::string::npos
-                                                       ? 0
-                                                       : svg.rfind("<path", svg.find("stroke-linejoin")));
-  const std::string path = svg.substr(from, svg.find('"', from + 9) - from);
-  std::set<int> columns;
-  int points = 0;
-  for (std::size_t at = path.find_first_of("ML", 9); at != std::string::npos;
-       at = path.find_first_of("ML", at + 1)) {
-    columns.insert(static_cast<int>(std::floor(std::stod(path.substr(at + 1)))));
-    ++points;
-  }
-  EXPECT_GT(columns.size(), 300u);
-  EXPECT_NEAR(points, 4.0 * static_cast<double>(columns.size()), 0.1 * static_cast<double>(columns.size()));
 }
 
 }  // namespace

@@ -131,11 +131,9 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
     }
     for (const int i : {Stage::kC1, Stage::kCp, Stage::kCpp}) {
       const auto at = static_cast<std::size_t>(i);
-      if (!(e[at] > 0.0)) continue;
       c[at] = std::round(e[at] * scales[i] * gain);
       if (c[at] > max_capacitor) return;
     }
-    if (c[Stage::kC1] + c[Stage::kCp] + c[Stage::kCpp] < 1.0) return;
     const auto at = std::ranges::find_if(found, [&](const auto& other) { return off < other.first; });
     found.insert(at, {off, std::move(c)});
     if (found.size() > count) found.pop_back();
@@ -143,10 +141,7 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
   const auto bank = static_cast<int>(exact.largest_units(Stage::kCA, max_capacitor));
   for (int c2 = 1; c2 <= max_capacitor; c2 += c2 < 40 ? 1 : 3) {
     const double c4_high = std::round(ratio * c2);
-    if (high &&
-        (c4_high < 1.0 || c4_high > max_capacitor || std::abs(c4_high / c2 / ratio - 1.0) > kRatioOff)) {
-      continue;
-    }
+    if (high && (c4_high > max_capacitor || std::abs(c4_high / c2 / ratio - 1.0) > kRatioOff)) continue;
     // What CA and CB of at least a quarter and half of the largest leave for C3.
     const double most = std::min<double>(max_capacitor, product * bank * bank / c2);
     const auto least = whole_number<int>(product * bank * bank / (8.0 * c2), 1);
@@ -155,8 +150,7 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
         const double ca = std::round(c2 * c3 / (product * cb));
         if (ca < bank / 4.0 || ca > bank) continue;
         const double c4 = high ? c4_high : std::round(ratio * cb);
-        if (c4 < 1.0 || c4 > max_capacitor || std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) > kRatioOff)
-          continue;
+        if (c4 > max_capacitor || std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) > kRatioOff) continue;
         add(c2, c3, c4, ca, cb);
       }
     }
@@ -166,13 +160,10 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
   return out;
 }
 
-/// Keeps the `count` cheapest by one of the costs, each set of capacitors once.
+/// Keeps the `count` cheapest by one of the costs.
 void keep_cheapest(std::vector<WholeStage>& list, const WholeStage& next, std::size_t count,
                    double WholeStage::*cost) {
   if (list.size() == count && !(next.*cost < list.back().*cost)) return;
-  for (const WholeStage& w : list) {
-    if (w.c == next.c) return;
-  }
   const auto at = std::ranges::find_if(list, [&](const WholeStage& w) { return next.*cost < w.*cost; });
   list.insert(at, next);
   if (list.size() > count) list.pop_back();
@@ -203,8 +194,7 @@ class StageSpread {
       const double sigma = mismatch_.relative_sigma(c[i]);
       for (std::size_t k = 0; k < squares_[i].size(); ++k) variance[k] += squares_[i][k] * sigma * sigma;
     }
-    const double most = points_ > 0 ? *std::ranges::max_element(variance) : 0.0;
-    return error_of_95_percent(0.0, std::sqrt(most));
+    return error_of_95_percent(0.0, std::sqrt(*std::ranges::max_element(variance)));
   }
 
  private:
@@ -284,7 +274,7 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   }
   std::vector<std::vector<double>> out;
   for (std::size_t i = 0; i < as_is.size(); ++i) {
-    for (const WholeStage* whole : {&as_is[i], &but_gain[std::min(i, but_gain.size() - 1)]}) {
+    for (const WholeStage* whole : {&as_is[i], &but_gain[i]}) {
       if (out.size() < choices && std::ranges::find(out, whole->c) == out.end()) out.push_back(whole->c);
     }
   }

@@ -76,6 +76,9 @@ TEST(GainSchedule, EveryFrequencyIsServedWithinHalfAStep) {
           std::max({worst, std::abs(set.gains[0].realised() / up_at_one - d.rate_gain(ascending, Hertz{f})),
                     std::abs(set.gains[1].realised() / down_at_one - d.rate_gain(descending, Hertz{f}))});
     }
+    std::size_t longest = 0;
+    for (const GainSet& set : schedule.sets) longest = std::max(longest, schedule.packets(set).size());
+    EXPECT_DOUBLE_EQ(schedule.update_s, 10.0 * static_cast<double>(longest) / 57600.0);
     EXPECT_GT(schedule.max_gain_error_percent, 0.8 * 100.0 * worst / 1.17);
     // The seed's greatest d is about 0.09 of the stroke.
     EXPECT_LT(schedule.max_tracking_error_percent, 0.12 * 100.0 * worst);

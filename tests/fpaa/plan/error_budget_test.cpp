@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/plan/plan_limits.hpp"
 #include "fpaa/seed_sections.hpp"
 
 namespace bodesmith::fpaa {
@@ -21,6 +22,15 @@ TEST(ErrorBudget, PartsOfTheSeedsPlan) {
     EXPECT_GT(cam.noise_kt_per_cu, cam.noise_in_band_kt_per_cu);
   }
   EXPECT_NEAR(plan.max_input_v * std::max(1.0, budget.cams[0].peak_node_gain), 3.0, 1.5);
+  const Headroom headroom = headroom_of(SwitchedBoard(plan), plan.error.band, board_by_name(plan.board));
+  EXPECT_EQ(plan.max_input_v, std::min(headroom.sine_v, headroom.step_v));
+  EXPECT_EQ(plan.max_step_v, headroom.step_v);
+  const ErrorBudget slow =
+      error_budget(plan, seed_sections(), {}, schematic::OpAmpModel::one_pole({1e4}, 1e3));
+  double settling = 0.0;
+  for (const auto& cam : slow.cams) settling += cam.settling_percent;
+  EXPECT_GT(settling, 0.1);
+  EXPECT_DOUBLE_EQ(slow.settling_percent, settling);
 }
 
 // One board that is told of other capacitors again and again, and one that is made of them.

@@ -38,12 +38,8 @@ namespace {
 /// Unknowns of one term when nothing with another excitation is held out.
 constexpr std::size_t kMaxUnknownsWhenSplit = 2;
 
-/// Terms with more unknowns have no open parameter.
-constexpr std::size_t kFewUnknowns = 3;
 /// The held-out records disagree when this much more is left of them than of the training records.
 constexpr double kDisagrees = 2.0;
-/// The same where nothing was found: slow noise alone may be so much larger in one record than in another.
-constexpr double kDisagreesWithNothing = 5.0;
 
 const Ranked* best_rival(const Step& step) {
   const Ranked* rival = nullptr;
@@ -114,7 +110,7 @@ std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
     // Of many unknowns (weights of plays) each alone may be open without the effect being so.
     for (std::size_t j = 0; j < unknowns.size(); ++j, ++at) {
       const auto& p = d.steps[k].parameters[j];
-      if (unknowns.size() <= kFewUnknowns && p.high - p.low > std::abs(p.value))
+      if (unknowns.size() < RoundOptions().many_unknowns && p.high - p.low > std::abs(p.value))
         open.push_back({at, p.name, p.low, p.high});
     }
   }
@@ -123,9 +119,8 @@ std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
 
 /// Whether the held-out records contradict what was found on the others.
 bool disagrees(const Diagnosis& d) {
-  const double most = d.steps.empty() ? kDisagreesWithNothing : kDisagrees;
   const bool worse = !d.steps.empty() && d.final.holdout_rms > d.refitted.holdout_rms;
-  return worse || d.final.holdout_rms > most * d.final.train_rms;
+  return worse || d.final.holdout_rms > kDisagrees * d.final.train_rms;
 }
 
 /// Times a floor found above the band: noise that correlates over thirty samples stands so far above its own white level

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <algorithm>
+#include <functional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -10,7 +11,7 @@
 
 namespace bodesmith::gap {
 
-/// What there is to say of an effect beforehand.
+/// What there is to say of an effect.
 struct EffectFacts {
   std::string_view name;        ///< as in the contract's table
   std::string_view what;        ///< a sentence for the report: what it does to a signal
@@ -27,33 +28,47 @@ struct EffectFacts {
   /// A circuit whose capacitors and op-amps are known has no dynamics but theirs: next to them this is implausible.
   bool of_no_circuit = false;
   int places_a_round = 3;  ///< and forms, that are fitted at the most
+  /// Every place it can sit, with start values from the data.
+  std::function<void(const Scene&, std::vector<Proposal>&)> propose;
+  /// The values of its term in a model make it no name: it is another effect's form (a loop without width is a curve), or
+  /// less than the records can tell. The scene is of that model, or of the one without the term.
+  std::function<bool(const Model&, const Term&, const Scene&)> is_no_name = {};
+  /// The values of its term, a model's last one, lie where another effect is the usual cause of the same traces (docs/gap.md, 7): when that one
+  /// fits as well, it has the name.
+  std::function<bool(const Model&, const Scene&)> is_implausible = {};
 
   bool may_repeat(bool in_response) const { return repeatable || (in_response && repeatable_in_response); }
 };
 
-/// One kind of thing that a model can lack. Every effect is a class in effects/ and one line in registry.cpp.
+/// One kind of thing that a model can lack. Every effect is a file in effects/ and one line in registry.cpp.
 class Effect {
  public:
   explicit Effect(EffectFacts facts) : facts_(std::move(facts)) {}
-  virtual ~Effect() = default;
   const EffectFacts& facts() const { return facts_; }
   std::string_view name() const { return facts_.name; }
-  /// The values of its term, a model's last one, lie where another effect is the usual cause of the same traces (docs/gap.md, 7): when that one
-  /// fits as well, it has the name.
-  virtual bool is_implausible(const Model& model, const Scene& /*scene*/) const {
-    return facts_.of_no_circuit && model.opamps_are_known();
+  void propose(const Scene& scene, std::vector<Proposal>& out) const {
+    const std::size_t before = out.size();
+    facts_.propose(scene, out);
+    for (auto& proposal : std::span(out).subspan(before)) proposal.model.set_effect_of_last(*this);
   }
-  /// The values of its term in a model make it no name: it is another effect's form (a loop without width is a curve), or
-  /// less than the records can tell. `scene`: of that model, or of the one without the term.
-  virtual bool is_no_name(const Model& /*model*/, const Term& /*term*/, const Scene& /*scene*/) const {
-    return false;
+  bool is_no_name(const Model& model, const Term& term, const Scene& scene) const {
+    return facts_.is_no_name && facts_.is_no_name(model, term, scene);
   }
-  /// Every place it can sit, with start values from the data.
-  virtual void propose(const Scene& scene, std::vector<Proposal>& out) const = 0;
+  bool is_implausible(const Model& model, const Scene& scene) const {
+    return (facts_.of_no_circuit && model.opamps_are_known()) ||
+           (facts_.is_implausible && facts_.is_implausible(model, scene));
+  }
 
  private:
   EffectFacts facts_;
 };
+
+/// Defines the function that the registry's table names.
+#define BODESMITH_EFFECT(effect, ...)                        \
+  const Effect& effect##_effect() {                          \
+    static const Effect one({.name = #effect, __VA_ARGS__}); \
+    return one;                                              \
+  }
 
 /// All of them, in the order of the documentation.
 Registry<Effect>& effect_registry();

@@ -33,11 +33,10 @@ void add_parameters(std::vector<Unknown>& unknowns, const chain::Block& block) {
 
 }  // namespace
 
-Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t position, chain::Block block,
+Proposal insert_block(const Scene& scene, std::size_t position, chain::Block block,
                       std::vector<Unknown> unknowns, Starts starts, BlockWriter write) {
   Model model = *scene.model;
   Term term;
-  term.effect = &effect;
   term.placed = model.placed(position);
   add_parameters(unknowns, block);
   const int id = model.insert(position, std::move(block));
@@ -51,10 +50,9 @@ Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t posi
   return propose_term(std::move(model), std::move(term), std::move(starts));
 }
 
-Proposal change_block(const Scene& scene, const Effect& effect, std::size_t position,
-                      std::vector<Unknown> unknowns, Starts starts) {
+Proposal change_block(const Scene& scene, std::size_t position, std::vector<Unknown> unknowns,
+                      Starts starts) {
   Term term;
-  term.effect = &effect;
   term.placed = inside_block(*scene.model, position);
   const auto& block = scene.model->at(position);
   const int id = scene.model->id_at(position);
@@ -70,14 +68,13 @@ Proposal change_block(const Scene& scene, const Effect& effect, std::size_t posi
   return propose_term(*scene.model, std::move(term), std::move(starts));
 }
 
-Proposal change_part(const Scene& scene, const Effect& effect, std::size_t position, std::size_t which) {
+Proposal change_part(const Scene& scene, std::size_t position, std::size_t which) {
   const int id = scene.model->id_at(position);
   const chain::Block good = scene.model->at(position);
   const chain::PartChange part = (*good.parts)[which];
   const double most = part.most();
   const double start = part.is_offset() ? part.tolerance : 2.0;
   Term term;
-  term.effect = &effect;
   term.placed = part.part + " " + inside_block(*scene.model, position);
   term.part = part.part;
   term.unknowns = {linear_unknown(part.is_offset() ? "off_v" : "off_percent", -most, most, start)};

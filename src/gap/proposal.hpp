@@ -11,12 +11,10 @@
 
 namespace bodesmith::gap {
 
-class Effect;
-
 /// Values of a term's unknowns to start a fit from, each set as long as the term has unknowns.
 using Starts = std::vector<std::vector<double>>;
 
-/// A candidate: the model with the effect's term as its last one, and values of the term's unknowns to start
+/// A candidate: the model with the term as its last one, whose effect is set behind all proposals (Effect::propose), and values of the term's unknowns to start
 /// from.
 struct Proposal {
   Model model;
@@ -26,13 +24,12 @@ struct Proposal {
 /// Turns the values of a term's unknowns into its block's parameters.
 using BlockWriter = std::function<void(chain::Block&, std::span<const double>)>;
 /// For effects that are one block of their own. Without a writer each unknown's name is the block's parameter, whose unit it gets.
-Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t position, chain::Block block,
+Proposal insert_block(const Scene& scene, std::size_t position, chain::Block block,
                       std::vector<Unknown> unknowns, Starts starts, BlockWriter write = {});
 /// For effects inside a base block: the unknowns' names are its parameters.
-Proposal change_block(const Scene& scene, const Effect& effect, std::size_t position,
-                      std::vector<Unknown> unknowns, Starts starts);
+Proposal change_block(const Scene& scene, std::size_t position, std::vector<Unknown> unknowns, Starts starts);
 /// For effects that are a part of a base block (Block::parts) off its value, by percent or volts.
-Proposal change_part(const Scene& scene, const Effect& effect, std::size_t position, std::size_t which);
+Proposal change_part(const Scene& scene, std::size_t position, std::size_t which);
 /// For all others: `model` is the scene's with the term's blocks in it, `term` knows how to write its
 /// unknowns; their values become those of the first start.
 Proposal propose_term(Model model, Term term, Starts starts);

@@ -15,9 +15,8 @@ namespace {
 /// Frequencies of the residual that effects are told.
 constexpr std::size_t kPeaks = 3;
 constexpr std::size_t kPeaksOfResponse = 6;
-/// Parts of the input's power below low_hz and below band_hz.
-constexpr double kLowPart = 0.05;
-constexpr double kBandPart = 0.95;
+/// Part of the input's power below low_hz, and above band_hz.
+constexpr double kOutside = 0.05;
 /// The band is at least as many bins of the spectrum wide.
 constexpr double kMinBand = 4.0;
 
@@ -68,8 +67,8 @@ void find_band(Scene& scene, const TimeRecord& record) {
   for (std::size_t k = 0; k < p.power.size(); ++k) {
     sum += p.power[k];
     const double hz = p.bin_hz * static_cast<double>(std::max<std::size_t>(k, 1));
-    if (scene.low_hz == 0.0 && sum >= kLowPart * total) scene.low_hz = hz;
-    if (scene.band_hz == 0.0 && sum >= kBandPart * total) scene.band_hz = hz;
+    if (scene.low_hz == 0.0 && sum >= kOutside * total) scene.low_hz = hz;
+    if (scene.band_hz == 0.0 && sum >= (1.0 - kOutside) * total) scene.band_hz = hz;
   }
   if (scene.low_hz == 0.0) scene.low_hz = p.bin_hz;
   scene.band_hz = std::max(scene.band_hz, kMinBand * p.bin_hz);

@@ -18,27 +18,19 @@ namespace {
 
 using namespace bodesmith;
 
-/// y = u + c u^6: nothing of the catalogue bends a signal at both ends so late.
-class SixthPower final : public gap::Effect {
- public:
-  SixthPower()
-      : Effect({.name = "sixth_power",
-                .what = "a curve that bends up at both ends",
-                .experiment = "a slow ramp to the ends of the range"}) {}
-  /// It stays registered, so it keeps out of the other tests of this program.
-  bool proposes = false;
+/// y = u + c u^6: nothing of the catalogue bends a signal at both ends so late. It stays registered, so it keeps out of the other tests of
+/// this program.
+bool g_proposes = false;
 
-  void propose(const gap::Scene& scene, std::vector<gap::Proposal>& out) const override {
-    if (!proposes || scene.frequency_only) return;
-    for (std::size_t at : scene.static_places()) {
-      auto block = chain::make_block("polynomial");
-      block.set("coefficients", {0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0});
-      out.push_back(gap::insert_block(scene, *this, at, block,
-                                      {gap::linear_unknown("coefficients[6]", -10.0, 10.0, 0.1)},
-                                      {{0.05}, {-0.05}}));
-    }
+void propose(const gap::Scene& scene, std::vector<gap::Proposal>& out) {
+  if (!g_proposes || scene.frequency_only) return;
+  for (std::size_t at : scene.static_places()) {
+    auto block = chain::make_block("polynomial");
+    block.set("coefficients", {0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+    out.push_back(gap::insert_block(
+        scene, at, block, {gap::linear_unknown("coefficients[6]", -10.0, 10.0, 0.1)}, {{0.05}, {-0.05}}));
   }
-};
+}
 
 TimeRecord record_with_sixth_power(const char* file, unsigned seed) {
   return of_smoothed_noise(file, seed, 2000, 1e-3, [](int, double x, double e) {
@@ -49,14 +41,17 @@ TimeRecord record_with_sixth_power(const char* file, unsigned seed) {
 }
 
 TEST(RegisteredEffect, IsNamedByDiagnose) {
-  static SixthPower effect;
+  static const gap::Effect effect({.name = "sixth_power",
+                                   .what = "a curve that bends up at both ends",
+                                   .experiment = "a slow ramp to the ends of the range",
+                                   .propose = propose});
   gap::effect_registry().add(effect);
-  effect.proposes = true;
+  g_proposes = true;
   const auto base = model_of("[[block]]\ntype = \"gain\"\ngain = 1.25\nfree = [\"gain\"]\n");
   const auto study = gap::Study::of({record_with_sixth_power("train.csv", 1)},
                                     {record_with_sixth_power("holdout.csv", 2)}, base);
   const auto diagnosis = gap::diagnose(base, study, {});
-  effect.proposes = false;
+  g_proposes = false;
 
   ASSERT_EQ(diagnosis.steps.size(), 1U);
   EXPECT_EQ(diagnosis.steps[0].effect, "sixth_power");

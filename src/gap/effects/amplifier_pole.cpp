@@ -4,33 +4,27 @@
 namespace bodesmith::gap {
 namespace {
 
-class AmplifierPole final : public Effect {
- public:
-  AmplifierPole()
-      : Effect(
-            {.name = "amplifier_pole",
-             .what = "a first-order lag",
-             .experiment =
-                 "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
-                 "a pole does not)",
-             .linear = true,
-             .repeatable_in_response = true,
-             .of_no_circuit = true}) {}
-  bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
-    return scene.is_between_samples(1.0 / Hertz{term.unknowns.front().value}.rad_s().value);
-  }
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    const double b = scene.band_hz;
-    Starts starts = {{30.0 * b}, {6.0 * b}, {1.5 * b}, {0.4 * b}};
-    for (double hz : scene.beyond_band_hz(30.0, 2)) starts.push_back({hz});
-    const auto corner = logarithmic_unknown("corner_hz", 1e-3 * b, 1e3 * std::max(b, 0.03 * scene.top_hz));
-    for (std::size_t at : scene.linear_places())
-      out.push_back(insert_block(scene, *this, at, chain::make_block("lowpass"), {corner}, starts));
-  }
-};
+bool is_no_name(const Model&, const Term& term, const Scene& scene) {
+  return scene.is_between_samples(1.0 / Hertz{term.unknowns.front().value}.rad_s().value);
+}
+
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  const double b = scene.band_hz;
+  Starts starts = {{30.0 * b}, {6.0 * b}, {1.5 * b}, {0.4 * b}};
+  for (double hz : scene.beyond_band_hz(30.0, 2)) starts.push_back({hz});
+  const auto corner = logarithmic_unknown("corner_hz", 1e-3 * b, 1e3 * std::max(b, 0.03 * scene.top_hz));
+  for (std::size_t at : scene.linear_places())
+    out.push_back(insert_block(scene, at, chain::make_block("lowpass"), {corner}, starts));
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, amplifier_pole_effect, AmplifierPole)
+BODESMITH_EFFECT(
+    amplifier_pole, .what = "a first-order lag",
+    .experiment =
+        "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
+        "a pole does not)",
+    .linear = true, .repeatable_in_response = true, .of_no_circuit = true, .propose = propose,
+    .is_no_name = is_no_name)
 
 }  // namespace bodesmith::gap

@@ -9,70 +9,61 @@ namespace {
 /// A capacitor further off is another part.
 constexpr double kMaxRatio = 1.5;
 
-class CapacitorMismatch final : public Effect {
- public:
-  CapacitorMismatch()
-      : Effect({.name = "capacitor_mismatch",
-                .what = "a section's pole or zero is shifted by its capacitor ratio",
-                .experiment = "the section alone, measured across its corner",
-                .linear = true,
-                .places_a_round = 4}) {}
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    for (std::size_t at : scene.base_places()) {
-      const auto& section = scene.model->at(at);
-      if (section.section_order() == 0) continue;
-      if (section.parts) {
-        for (std::size_t k = 0; k < section.parts->size(); ++k) {
-          if ((*section.parts)[k].noise_gain.empty()) out.push_back(change_part(scene, *this, at, k));
-        }
-      } else if (section.section_order() == 1) {
-        propose_corners(scene, at, out);
-      } else if (section.has("bandpass_gain")) {
-        for (const bool damps : {false, true}) propose_pair(scene, at, damps, out);
+void propose_corners(const Scene& scene, std::size_t at, std::vector<Proposal>& out) {
+  for (const auto& corner : scene.model->at(at).parameters()) {
+    if (corner.free || !corner.spec->is_frequency() || !(corner.value > 0.0)) continue;
+    const double value = corner.value;
+    out.push_back(change_block(scene, at,
+                               {logarithmic_unknown(corner.key(), value / kMaxRatio, value * kMaxRatio)},
+                               {{value * 1.01}}));
+  }
+}
+
+/// Of two poles, 1 + 2 zeta s/w + (s/w)^2, both capacitors make the last term and one of them the middle one as well (Tow and
+/// Thomas; Sallen and Key; multiple feedback): r times that one makes w/sqrt(r) and zeta sqrt(r), r times the other one
+/// w/sqrt(r) and zeta/sqrt(r). The gain at the poles stays.
+void propose_pair(const Scene& scene, std::size_t at, bool damps, std::vector<Proposal>& out) {
+  const chain::Block good = scene.model->at(at);
+  for (const auto& p : good.parameters()) {
+    if (p.free) return;
+  }
+  const int id = scene.model->id_at(at);
+  Term term;
+  term.placed = inside_block(*scene.model, at);
+  term.part = good.part;
+  term.unknowns = {logarithmic_unknown("capacitor_ratio", 1.0 / kMaxRatio, kMaxRatio)};
+  term.write = [id, good, damps](Model& m, std::span<const double> v) {
+    const double root = std::sqrt(v[0]);
+    const double damping = damps ? root : 1.0 / root;
+    chain::Block& section = m.block(id);
+    section.set("natural_frequency_hz", good.get("natural_frequency_hz") / root)
+        .set("damping_ratio", good.get("damping_ratio") * damping)
+        .set("bandpass_gain", good.get("bandpass_gain") * damping);
+  };
+  term.undo = [id, good](Model& m) { m.block(id) = good; };
+  out.push_back(propose_term(*scene.model, std::move(term), {{1.01}}));
+}
+
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  for (std::size_t at : scene.base_places()) {
+    const auto& section = scene.model->at(at);
+    if (section.section_order() == 0) continue;
+    if (section.parts) {
+      for (std::size_t k = 0; k < section.parts->size(); ++k) {
+        if ((*section.parts)[k].noise_gain.empty()) out.push_back(change_part(scene, at, k));
       }
+    } else if (section.section_order() == 1) {
+      propose_corners(scene, at, out);
+    } else if (section.has("bandpass_gain")) {
+      for (const bool damps : {false, true}) propose_pair(scene, at, damps, out);
     }
   }
-
- private:
-  void propose_corners(const Scene& scene, std::size_t at, std::vector<Proposal>& out) const {
-    for (const auto& corner : scene.model->at(at).parameters()) {
-      if (corner.free || !corner.spec->is_frequency() || !(corner.value > 0.0)) continue;
-      const double value = corner.value;
-      out.push_back(change_block(scene, *this, at,
-                                 {logarithmic_unknown(corner.key(), value / kMaxRatio, value * kMaxRatio)},
-                                 {{value * 1.01}}));
-    }
-  }
-
-  /// Of two poles, 1 + 2 zeta s/w + (s/w)^2, both capacitors make the last term and one of them the middle one as well (Tow and
-  /// Thomas; Sallen and Key; multiple feedback): r times that one makes w/sqrt(r) and zeta sqrt(r), r times the other one
-  /// w/sqrt(r) and zeta/sqrt(r). The gain at the poles stays.
-  void propose_pair(const Scene& scene, std::size_t at, bool damps, std::vector<Proposal>& out) const {
-    const chain::Block good = scene.model->at(at);
-    for (const auto& p : good.parameters()) {
-      if (p.free) return;
-    }
-    const int id = scene.model->id_at(at);
-    Term term;
-    term.effect = this;
-    term.placed = inside_block(*scene.model, at);
-    term.part = good.part;
-    term.unknowns = {logarithmic_unknown("capacitor_ratio", 1.0 / kMaxRatio, kMaxRatio)};
-    term.write = [id, good, damps](Model& m, std::span<const double> v) {
-      const double root = std::sqrt(v[0]);
-      const double damping = damps ? root : 1.0 / root;
-      chain::Block& section = m.block(id);
-      section.set("natural_frequency_hz", good.get("natural_frequency_hz") / root)
-          .set("damping_ratio", good.get("damping_ratio") * damping)
-          .set("bandpass_gain", good.get("bandpass_gain") * damping);
-    };
-    term.undo = [id, good](Model& m) { m.block(id) = good; };
-    out.push_back(propose_term(*scene.model, std::move(term), {{1.01}}));
-  }
-};
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, capacitor_mismatch_effect, CapacitorMismatch)
+BODESMITH_EFFECT(capacitor_mismatch, .what = "a section's pole or zero is shifted by its capacitor ratio",
+                 .experiment = "the section alone, measured across its corner", .linear = true,
+                 .places_a_round = 4, .propose = propose)
 
 }  // namespace bodesmith::gap

@@ -4,23 +4,17 @@
 namespace bodesmith::gap {
 namespace {
 
-class Drift final : public Effect {
- public:
-  Drift()
-      : Effect({.name = "drift",
-                .what = "the output moves slowly and linearly with time",
-                .experiment = "a record at rest, without drive: drift goes on",
-                .adds_one_signal = true}) {}
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    const double rate = scene.boundary.back().size() / scene.duration_s;
-    out.push_back(insert_block(scene, *this, scene.end(), chain::make_block("drift"),
-                               {linear_unknown("rate_per_s", -10.0 * rate, 10.0 * rate, 0.1 * rate)},
-                               {{0.01 * rate}}));
-  }
-};
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  const double rate = scene.boundary.back().size() / scene.duration_s;
+  out.push_back(insert_block(scene, scene.end(), chain::make_block("drift"),
+                             {linear_unknown("rate_per_s", -10.0 * rate, 10.0 * rate, 0.1 * rate)},
+                             {{0.01 * rate}}));
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, drift_effect, Drift)
+BODESMITH_EFFECT(drift, .what = "the output moves slowly and linearly with time",
+                 .experiment = "a record at rest, without drive: drift goes on", .adds_one_signal = true,
+                 .propose = propose)
 
 }  // namespace bodesmith::gap

@@ -89,64 +89,55 @@ class FineSpectrum {
   std::vector<double> amplitude_;  ///< of any unit
 };
 
-class MainsHum final : public Effect {
- public:
-  MainsHum()
-      : Effect({.name = "mains_hum",
-                .what = "a sinusoid of the mains is added",
-                .experiment = "a record without drive: hum stays",
-                .adds_one_signal = true,
-                .repeatable = true}) {}
-  /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
-  /// its alias), its size and phase each record's own.
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    std::vector<Line> lines;
-    const double rate = 1.0 / scene.step_s;
-    const FineSpectrum spectrum(scene);
-    for (double mains : {50.0, 60.0}) {
-      for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
-        const double hz = mains * harmonic;
-        const double seen = alias_of(hz, rate);
-        if (seen * scene.duration_s < kMinCycles || (0.5 * rate - seen) * scene.duration_s < kMinCycles)
-          continue;
-        if (auto line = spectrum.largest_near(hz, harmonic)) lines.push_back(*line);
-      }
-    }
-    std::stable_sort(lines.begin(), lines.end(),
-                     [](const Line& a, const Line& b) { return a.rank() > b.rank(); });
-    std::vector<Line> proposed;
-    for (const auto& line : lines) {
-      if (proposed.size() >= kProposed) break;
-      const bool seen = std::any_of(proposed.begin(), proposed.end(), [&](const Line& other) {
-        return std::abs(alias_of(other.hz, rate) - alias_of(line.hz, rate)) * scene.duration_s < kApart;
-      });
-      if (!seen) proposed.push_back(line);
-    }
-    for (const auto& line : proposed) out.push_back(with_line(scene, line));
-  }
+Proposal with_line(const Scene& scene, const Line& line) {
+  Model model = *scene.model;
+  Term term;
+  term.placed = model.placed(model.size());
+  const int id = model.insert(
+      model.size(),
+      chain::make_block("hum").set("amplitude", 0.0).set("frequency_hz", line.hz).set("phase_deg", 0.0));
+  term.blocks = {id};
+  term.lines = {id};
+  auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * line.nominal_hz,
+                                  (1.0 + kTolerance) * line.nominal_hz, 0.1 / scene.duration_s);
+  frequency.unit = "Hz";
+  term.unknowns = {frequency};
+  term.write = [id](Model& m, std::span<const double> v) { m.block(id).set("frequency_hz", v[0]); };
+  return propose_term(std::move(model), std::move(term), {{line.hz}});
+}
 
- private:
-  Proposal with_line(const Scene& scene, const Line& line) const {
-    Model model = *scene.model;
-    Term term;
-    term.effect = this;
-    term.placed = model.placed(model.size());
-    const int id = model.insert(
-        model.size(),
-        chain::make_block("hum").set("amplitude", 0.0).set("frequency_hz", line.hz).set("phase_deg", 0.0));
-    term.blocks = {id};
-    term.lines = {id};
-    auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * line.nominal_hz,
-                                    (1.0 + kTolerance) * line.nominal_hz, 0.1 / scene.duration_s);
-    frequency.unit = "Hz";
-    term.unknowns = {frequency};
-    term.write = [id](Model& m, std::span<const double> v) { m.block(id).set("frequency_hz", v[0]); };
-    return propose_term(std::move(model), std::move(term), {{line.hz}});
+/// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
+/// its alias), its size and phase each record's own.
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  std::vector<Line> lines;
+  const double rate = 1.0 / scene.step_s;
+  const FineSpectrum spectrum(scene);
+  for (double mains : {50.0, 60.0}) {
+    for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
+      const double hz = mains * harmonic;
+      const double seen = alias_of(hz, rate);
+      if (seen * scene.duration_s < kMinCycles || (0.5 * rate - seen) * scene.duration_s < kMinCycles)
+        continue;
+      if (auto line = spectrum.largest_near(hz, harmonic)) lines.push_back(*line);
+    }
   }
-};
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const Line& a, const Line& b) { return a.rank() > b.rank(); });
+  std::vector<Line> proposed;
+  for (const auto& line : lines) {
+    if (proposed.size() >= kProposed) break;
+    const bool seen = std::any_of(proposed.begin(), proposed.end(), [&](const Line& other) {
+      return std::abs(alias_of(other.hz, rate) - alias_of(line.hz, rate)) * scene.duration_s < kApart;
+    });
+    if (!seen) proposed.push_back(line);
+  }
+  for (const auto& line : proposed) out.push_back(with_line(scene, line));
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, mains_hum_effect, MainsHum)
+BODESMITH_EFFECT(mains_hum, .what = "a sinusoid of the mains is added",
+                 .experiment = "a record without drive: hum stays", .adds_one_signal = true,
+                 .repeatable = true, .propose = propose)
 
 }  // namespace bodesmith::gap

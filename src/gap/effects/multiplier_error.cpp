@@ -73,106 +73,97 @@ void write_powers(chain::Block& block, const Powers& powers, std::vector<double>
   block.set(powers.list.key, coefficients);
 }
 
-class MultiplierError final : public Effect {
- public:
-  MultiplierError()
-      : Effect({.name = "multiplier_error",
-                .what = "scale, feedthrough or offset of a multiplier in the chain",
-                .experiment = "the disturbance generator alone, swept from end to end",
-                .places_a_round = 4}) {}
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    for (std::size_t at : scene.base_places()) {
-      const auto& block = scene.model->at(at);
-      if (block.has("scale_v")) propose_in_multiplier(scene, at, out);
-      const auto powers = powers_of(block);
-      const std::size_t degree = degree_of(powers);
-      const bool refitted = std::any_of(block.parameters().begin(), block.parameters().end(),
-                                        [](const chain::Parameter& p) { return p.free; });
-      if (degree < 2 || refitted) continue;
-      for (const bool first_alone : {false, true}) {
-        // With squares alone it is the same.
-        if (first_alone && degree < 3) continue;
-        std::vector<MultiplierErrors> which = {
-            {.scale = true}, {.feedthrough = true}, {true, true}, {true, true, true}};
-        // One curve's constant is an offset's; those of two branches differ.
-        if (powers.size() > 1) which.push_back({.offset = true});
-        for (auto& w : which) {
-          w.first_alone = first_alone;
-          out.push_back(in_powers(scene, at, powers, w));
-        }
-      }
+std::size_t degree_of(const std::vector<Powers>& powers) {
+  std::size_t degree = 0;
+  for (const auto& p : powers) {
+    for (std::size_t n = 0; n < p.coefficients.size(); ++n) {
+      if (p.coefficients[n] != 0.0) degree = std::max(degree, n);
     }
   }
+  return degree;
+}
 
- private:
-  static std::size_t degree_of(const std::vector<Powers>& powers) {
-    std::size_t degree = 0;
-    for (const auto& p : powers) {
-      for (std::size_t n = 0; n < p.coefficients.size(); ++n) {
-        if (p.coefficients[n] != 0.0) degree = std::max(degree, n);
-      }
-    }
-    return degree;
+void propose_in_multiplier(const Scene& scene, std::size_t at, std::vector<Proposal>& out) {
+  const double size = scene.boundary[at].size();
+  const auto& block = scene.model->at(at);
+  const double scale = block.get("scale_v");
+  const auto scale_v = linear_unknown("scale_v", 0.5 * scale, 2.0 * scale, 0.05 * scale);
+  const auto feedthrough = linear_unknown("feedthrough", -1.0, 1.0, 0.05);
+  const auto z_offset =
+      linear_unknown("z_offset_v", -size * size / scale, size * size / scale, 0.05 * size * size / scale);
+  const double part = 0.01 * size * size / scale;
+  out.push_back(change_block(scene, at, {scale_v}, {{1.02 * scale}}));
+  out.push_back(change_block(scene, at, {feedthrough}, {{0.01}}));
+  out.push_back(change_block(scene, at, {z_offset}, {{part}}));
+  out.push_back(change_block(scene, at, {scale_v, feedthrough, z_offset}, {{1.02 * scale, 0.01, part}}));
+}
+
+/// Of the multipliers that make a block's powers.
+Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<Powers>& powers,
+                   MultiplierErrors which) {
+  const double size = scene.boundary[at].size();
+  Model model = *scene.model;
+  const int id = model.id_at(at);
+  Term term;
+  term.placed = inside_block(model, at);
+  term.part = model.at(at).part;
+  std::vector<double> start;
+  if (which.scale) {
+    term.unknowns.push_back(linear_unknown("scale", 0.5, 2.0, 0.05));
+    start.push_back(1.02);
   }
+  if (which.feedthrough) {
+    term.unknowns.push_back(linear_unknown("feedthrough", -size, size, 0.05 * size));
+    start.push_back(0.005 * size);
+  }
+  if (which.offset) {
+    const double square = size * size;
+    term.unknowns.push_back(linear_unknown("offset", -square, square, 0.05 * square));
+    start.push_back(0.005 * square);
+  }
+  term.write = [=](Model& m, std::span<const double> v) {
+    std::size_t next = 0;
+    ErrorValues errors;
+    if (which.scale) errors.scale = v[next++];
+    if (which.feedthrough) errors.feedthrough = v[next++];
+    if (which.offset) errors.offset = v[next];
+    for (const auto& p : powers)
+      write_powers(m.block(id), p, with_errors(p.coefficients, errors, which.first_alone));
+  };
+  term.undo = [=](Model& m) {
+    for (const auto& p : powers) write_powers(m.block(id), p, p.coefficients);
+  };
+  return propose_term(std::move(model), std::move(term), {start});
+}
 
-  void propose_in_multiplier(const Scene& scene, std::size_t at, std::vector<Proposal>& out) const {
-    const double size = scene.boundary[at].size();
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  for (std::size_t at : scene.base_places()) {
     const auto& block = scene.model->at(at);
-    const double scale = block.get("scale_v");
-    const auto scale_v = linear_unknown("scale_v", 0.5 * scale, 2.0 * scale, 0.05 * scale);
-    const auto feedthrough = linear_unknown("feedthrough", -1.0, 1.0, 0.05);
-    const auto z_offset =
-        linear_unknown("z_offset_v", -size * size / scale, size * size / scale, 0.05 * size * size / scale);
-    const double part = 0.01 * size * size / scale;
-    out.push_back(change_block(scene, *this, at, {scale_v}, {{1.02 * scale}}));
-    out.push_back(change_block(scene, *this, at, {feedthrough}, {{0.01}}));
-    out.push_back(change_block(scene, *this, at, {z_offset}, {{part}}));
-    out.push_back(
-        change_block(scene, *this, at, {scale_v, feedthrough, z_offset}, {{1.02 * scale, 0.01, part}}));
+    if (block.has("scale_v")) propose_in_multiplier(scene, at, out);
+    const auto powers = powers_of(block);
+    const std::size_t degree = degree_of(powers);
+    const bool refitted = std::any_of(block.parameters().begin(), block.parameters().end(),
+                                      [](const chain::Parameter& p) { return p.free; });
+    if (degree < 2 || refitted) continue;
+    for (const bool first_alone : {false, true}) {
+      // With squares alone it is the same.
+      if (first_alone && degree < 3) continue;
+      std::vector<MultiplierErrors> which = {
+          {.scale = true}, {.feedthrough = true}, {true, true}, {true, true, true}};
+      // One curve's constant is an offset's; those of two branches differ.
+      if (powers.size() > 1) which.push_back({.offset = true});
+      for (auto& w : which) {
+        w.first_alone = first_alone;
+        out.push_back(in_powers(scene, at, powers, w));
+      }
+    }
   }
-
-  /// Of the multipliers that make a block's powers.
-  Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<Powers>& powers,
-                     MultiplierErrors which) const {
-    const double size = scene.boundary[at].size();
-    Model model = *scene.model;
-    const int id = model.id_at(at);
-    Term term;
-    term.effect = this;
-    term.placed = inside_block(model, at);
-    term.part = model.at(at).part;
-    std::vector<double> start;
-    if (which.scale) {
-      term.unknowns.push_back(linear_unknown("scale", 0.5, 2.0, 0.05));
-      start.push_back(1.02);
-    }
-    if (which.feedthrough) {
-      term.unknowns.push_back(linear_unknown("feedthrough", -size, size, 0.05 * size));
-      start.push_back(0.005 * size);
-    }
-    if (which.offset) {
-      const double square = size * size;
-      term.unknowns.push_back(linear_unknown("offset", -square, square, 0.05 * square));
-      start.push_back(0.005 * square);
-    }
-    term.write = [=](Model& m, std::span<const double> v) {
-      std::size_t next = 0;
-      ErrorValues errors;
-      if (which.scale) errors.scale = v[next++];
-      if (which.feedthrough) errors.feedthrough = v[next++];
-      if (which.offset) errors.offset = v[next];
-      for (const auto& p : powers)
-        write_powers(m.block(id), p, with_errors(p.coefficients, errors, which.first_alone));
-    };
-    term.undo = [=](Model& m) {
-      for (const auto& p : powers) write_powers(m.block(id), p, p.coefficients);
-    };
-    return propose_term(std::move(model), std::move(term), {start});
-  }
-};
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, multiplier_error_effect, MultiplierError)
+BODESMITH_EFFECT(multiplier_error, .what = "scale, feedthrough or offset of a multiplier in the chain",
+                 .experiment = "the disturbance generator alone, swept from end to end", .places_a_round = 4,
+                 .propose = propose)
 
 }  // namespace bodesmith::gap

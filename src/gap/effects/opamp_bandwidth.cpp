@@ -47,101 +47,90 @@ void write_poles(Model& model, const SlowOpamp& opamp, double gain_bandwidth_hz)
       .set("damping_ratio", poles.damping_ratio);
 }
 
-class OpampBandwidth final : public Effect {
- public:
-  OpampBandwidth()
-      : Effect({.name = "opamp_bandwidth",
-                .what = "finite gain-bandwidth of a section's op-amp",
-                .experiment = "the section alone, measured a decade higher",
-                .linear = true,
-                .places_a_round = 4}) {}
-  /// Each op-amp of the sections whose op-amps are known; of other sections with a zero one op-amp, inverting or not. Boards carry
-  /// one type of op-amp: all of them as well.
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    std::vector<Place> known;
-    std::vector<std::size_t> others;
-    for (std::size_t at : scene.base_places()) {
-      const auto& section = scene.model->at(at);
-      if (section.parts) {
-        for (const auto& part : *section.parts) {
-          if (!part.noise_gain.empty())
-            known.push_back({at, part.part, part.noise_gain, false, part.gain_bandwidth_hz});
-        }
-      } else if (section.has("pole_hz") && section.has("zero_hz")) {
-        const bool free =
-            std::any_of(section.parameters().begin(), section.parameters().end(),
-                        [](const chain::Parameter& p) { return p.free && p.key() == "pole_hz"; });
-        if (!free) others.push_back(at);
-      }
-    }
-    propose_all(scene, known, out);
-    for (const bool inverting : {true, false}) {
-      std::vector<Place> places;
-      for (std::size_t at : others) places.push_back({at, scene.model->at(at).part, {}, inverting});
-      propose_all(scene, places, out);
-    }
-  }
-
- private:
-  struct Place {
-    std::size_t at;
-    std::string part;
-    std::vector<double> gain;
-    bool inverting = false;
-    double known_hz = INFINITY;
-  };
-
-  void propose_all(const Scene& scene, const std::vector<Place>& places, std::vector<Proposal>& out) const {
-    for (const Place& place : places) out.push_back(slow(scene, {place}));
-    if (places.size() > 1) out.push_back(slow(scene, places));
-  }
-
-  Proposal slow(const Scene& scene, const std::vector<Place>& places) const {
-    Model model = *scene.model;
-    Term term;
-    term.effect = this;
-    std::vector<SlowOpamp> found;
-    std::vector<std::string> numbers, parts;
-    // From behind, so that the places in front stay where they are.
-    for (auto place = places.rbegin(); place != places.rend(); ++place) {
-      SlowOpamp one{.section = model.id_at(place->at),
-                    .gain = place->gain,
-                    .inverting = place->inverting,
-                    .known_per_hz = 1.0 / place->known_hz};
-      const bool none = chain::corner_of(model.at(place->at)).empty();
-      if (none || (!place->gain.empty() && place->gain[2] > 0.0)) {
-        one.last = model.insert(place->at + 1, chain::make_block("lowpass"));
-        term.blocks.push_back(one.last);
-      }
-      if (!none) {
-        one.pair = model.insert(place->at + 1, chain::make_block("biquad").set("lowpass_gain", 1.0));
-        term.blocks.push_back(one.pair);
-      }
-      found.push_back(std::move(one));
-      const std::string number = std::to_string(scene.model->base_number(place->at));
-      if (numbers.empty() || numbers.front() != number) numbers.insert(numbers.begin(), number);
-      if (!place->part.empty()) parts.insert(parts.begin(), place->part);
-    }
-    term.part = join(parts, ", ");
-    term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
-    // One that is as good as the section says does nothing.
-    const double most = std::min(1e4 * scene.band_hz, kSlower * places.front().known_hz);
-    term.unknowns = {
-        logarithmic_unknown("gain_bandwidth_hz", std::min(0.5 * scene.band_hz, 0.5 * most), most)};
-    Starts starts;
-    for (double factor : {100.0, 20.0, 4.0}) starts.push_back({std::min(factor * scene.band_hz, 0.9 * most)});
-    term.write = [found](Model& m, std::span<const double> v) {
-      for (const auto& one : found) write_poles(m, one, v[0]);
-    };
-    term.reads_base_blocks = true;
-    // It belongs inside its section, and taking its blocks out is all there is to undo.
-    term.undo = [](Model&) {};
-    return propose_term(std::move(model), std::move(term), std::move(starts));
-  }
+struct Place {
+  std::size_t at;
+  std::string part;
+  std::vector<double> gain;
+  bool inverting = false;
+  double known_hz = INFINITY;
 };
+
+Proposal slow(const Scene& scene, const std::vector<Place>& places) {
+  Model model = *scene.model;
+  Term term;
+  std::vector<SlowOpamp> found;
+  std::vector<std::string> numbers, parts;
+  // From behind, so that the places in front stay where they are.
+  for (auto place = places.rbegin(); place != places.rend(); ++place) {
+    SlowOpamp one{.section = model.id_at(place->at),
+                  .gain = place->gain,
+                  .inverting = place->inverting,
+                  .known_per_hz = 1.0 / place->known_hz};
+    const bool none = chain::corner_of(model.at(place->at)).empty();
+    if (none || (!place->gain.empty() && place->gain[2] > 0.0)) {
+      one.last = model.insert(place->at + 1, chain::make_block("lowpass"));
+      term.blocks.push_back(one.last);
+    }
+    if (!none) {
+      one.pair = model.insert(place->at + 1, chain::make_block("biquad").set("lowpass_gain", 1.0));
+      term.blocks.push_back(one.pair);
+    }
+    found.push_back(std::move(one));
+    const std::string number = std::to_string(scene.model->base_number(place->at));
+    if (numbers.empty() || numbers.front() != number) numbers.insert(numbers.begin(), number);
+    if (!place->part.empty()) parts.insert(parts.begin(), place->part);
+  }
+  term.part = join(parts, ", ");
+  term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
+  // One that is as good as the section says does nothing.
+  const double most = std::min(1e4 * scene.band_hz, kSlower * places.front().known_hz);
+  term.unknowns = {logarithmic_unknown("gain_bandwidth_hz", std::min(0.5 * scene.band_hz, 0.5 * most), most)};
+  Starts starts;
+  for (double factor : {100.0, 20.0, 4.0}) starts.push_back({std::min(factor * scene.band_hz, 0.9 * most)});
+  term.write = [found](Model& m, std::span<const double> v) {
+    for (const auto& one : found) write_poles(m, one, v[0]);
+  };
+  term.reads_base_blocks = true;
+  // It belongs inside its section, and taking its blocks out is all there is to undo.
+  term.undo = [](Model&) {};
+  return propose_term(std::move(model), std::move(term), std::move(starts));
+}
+
+void propose_all(const Scene& scene, const std::vector<Place>& places, std::vector<Proposal>& out) {
+  for (const Place& place : places) out.push_back(slow(scene, {place}));
+  if (places.size() > 1) out.push_back(slow(scene, places));
+}
+
+/// Each op-amp of the sections whose op-amps are known; of other sections with a zero one op-amp, inverting or not. Boards carry
+/// one type of op-amp: all of them as well.
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  std::vector<Place> known;
+  std::vector<std::size_t> others;
+  for (std::size_t at : scene.base_places()) {
+    const auto& section = scene.model->at(at);
+    if (section.parts) {
+      for (const auto& part : *section.parts) {
+        if (!part.noise_gain.empty())
+          known.push_back({at, part.part, part.noise_gain, false, part.gain_bandwidth_hz});
+      }
+    } else if (section.has("pole_hz") && section.has("zero_hz")) {
+      const bool free = std::any_of(section.parameters().begin(), section.parameters().end(),
+                                    [](const chain::Parameter& p) { return p.free && p.key() == "pole_hz"; });
+      if (!free) others.push_back(at);
+    }
+  }
+  propose_all(scene, known, out);
+  for (const bool inverting : {true, false}) {
+    std::vector<Place> places;
+    for (std::size_t at : others) places.push_back({at, scene.model->at(at).part, {}, inverting});
+    propose_all(scene, places, out);
+  }
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, opamp_bandwidth_effect, OpampBandwidth)
+BODESMITH_EFFECT(opamp_bandwidth, .what = "finite gain-bandwidth of a section's op-amp",
+                 .experiment = "the section alone, measured a decade higher", .linear = true,
+                 .places_a_round = 4, .propose = propose)
 
 }  // namespace bodesmith::gap

@@ -68,132 +68,124 @@ struct ModePlace {
   }
 };
 
-class ParallelMode final : public Effect {
- public:
-  ParallelMode()
-      : Effect(
-            {.name = "parallel_mode",
-             .what = "a second-order mode in parallel with the path, of either sign",
-             .experiment =
-                 "a sweep through the suspected frequency and the zero next to it, and the same with the sensor elsewhere",
-             .linear = true,
-             .repeatable = true,
-             .of_no_circuit = true}) {}
-  bool is_no_name(const Model& model, const Term& last, const Scene& scene) const override {
-    const double hz = last.unknowns[0].value;
-    if (hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz)) return true;
-    std::vector<const Term*> modes;
-    for (const Term& term : model.terms()) {
-      if (term.effect == this) modes.push_back(&term);
-    }
-    for (std::size_t i = 0; i < modes.size(); ++i) {
-      if (hides_the_path(model, modes, i, scene.top_hz)) return true;
-      for (std::size_t k = 0; k < i; ++k) {
-        if (cancel(*modes[i], *modes[k])) return true;
-      }
-    }
-    return false;
-  }
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    for (const Term& earlier : scene.model->terms()) {
-      if (earlier.effect != this) continue;
-      const int block = earlier.blocks.front();
-      add_proposal(scene, *scene.model, block, parallel_resonator(*scene.model, block), earlier.placed, out);
-      return;
-    }
-    for (std::size_t at : scene.linear_places()) {
-      const auto placed = scene.model->placed(at);
-      add_block(scene, at, std::nullopt, placed, out);
-    }
-    for (std::size_t at : scene.base_places()) {
-      if (is_linear_mode(scene, at))
-        add_block(scene, at + 1, scene.model->id_at(at),
-                  "in parallel with block " + std::to_string(scene.model->base_number(at)), out);
-    }
-  }
+bool cancel(const Term& a, const Term& b) {
+  const auto& p = a.unknowns;
+  const auto& q = b.unknowns;
+  const double widths = p[0].value * p[1].value + q[0].value * q[1].value;
+  return p[2].value * q[2].value < 0.0 && std::abs(p[0].value - q[0].value) < kHalfWidthsApart * widths;
+}
 
- private:
-  static bool cancel(const Term& a, const Term& b) {
-    const auto& p = a.unknowns;
-    const auto& q = b.unknowns;
-    const double widths = p[0].value * p[1].value + q[0].value * q[1].value;
-    return p[2].value * q[2].value < 0.0 && std::abs(p[0].value - q[0].value) < kHalfWidthsApart * widths;
+/// A mode so strong compared with what else there is at its frequency, that nothing of that is seen within the band: a mode in
+/// series, with more freedom.
+bool hides_the_path(const Model& model, const std::vector<const Term*>& modes, std::size_t at,
+                    double top_hz) {
+  const auto& own = modes[at]->unknowns;
+  const auto& block = model.at(model.position_of(modes[at]->blocks.front()));
+  if (block.get("resonator_hz") > 0.0) return false;
+  std::complex<double> path = 1.0;
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    if (k == at) continue;
+    const auto& other = modes[k]->unknowns;
+    const double r = own[0].value / other[0].value;
+    path += other[2].value / std::complex<double>(1.0 - r * r, 2.0 * other[1].value * r);
   }
+  const double share = std::abs(own[2].value) / std::abs(path);
+  return share > kStrong && own[0].value * std::sqrt(1.0 + share) > top_hz;
+}
 
-  /// A mode so strong compared with what else there is at its frequency, that nothing of that is seen within the band: a mode in
-  /// series, with more freedom.
-  static bool hides_the_path(const Model& model, const std::vector<const Term*>& modes, std::size_t at,
-                             double top_hz) {
-    const auto& own = modes[at]->unknowns;
-    const auto& block = model.at(model.position_of(modes[at]->blocks.front()));
-    if (block.get("resonator_hz") > 0.0) return false;
-    std::complex<double> path = 1.0;
-    for (std::size_t k = 0; k < modes.size(); ++k) {
-      if (k == at) continue;
-      const auto& other = modes[k]->unknowns;
-      const double r = own[0].value / other[0].value;
-      path += other[2].value / std::complex<double>(1.0 - r * r, 2.0 * other[1].value * r);
+/// Of a time record: where the residual has its peaks, of either sign.
+Starts starts_at_peaks(const Scene& scene) {
+  Starts starts;
+  for (double hz : scene.residual_peaks_hz) {
+    if (!(hz > 0.0) || hz > 0.95 * scene.top_hz) continue;
+    for (double damping : {0.02, 0.1}) {
+      for (double gain : {0.2, -0.2}) starts.push_back({hz, damping, gain});
     }
-    const double share = std::abs(own[2].value) / std::abs(path);
-    return share > kStrong && own[0].value * std::sqrt(1.0 + share) > top_hz;
   }
+  return starts;
+}
 
-  /// Of a time record: where the residual has its peaks, of either sign.
-  static Starts starts_at_peaks(const Scene& scene) {
-    Starts starts;
-    for (double hz : scene.residual_peaks_hz) {
-      if (!(hz > 0.0) || hz > 0.95 * scene.top_hz) continue;
-      for (double damping : {0.02, 0.1}) {
-        for (double gain : {0.2, -0.2}) starts.push_back({hz, damping, gain});
-      }
+bool is_linear_mode(const Scene& scene, std::size_t at) {
+  const auto& block = scene.model->at(at);
+  return block.has("natural_frequency_hz") && block.has("damping_ratio") && scene.linear(at);
+}
+
+/// The base model's resonator that a block of this effect stands in parallel with: other terms may have come between the two.
+std::optional<int> parallel_resonator(const Model& model, int block) {
+  std::size_t at = model.position_of(block);
+  if (!(model.at(at).get("resonator_hz") > 0.0)) return std::nullopt;
+  while (!model.is_base(at)) --at;
+  return model.id_at(at);
+}
+
+void add_proposal(const Scene& scene, Model model, int block, std::optional<int> resonator,
+                  const std::string& placed, std::vector<Proposal>& out) {
+  const auto& modes = model.block(block);
+  const auto gains = modes.list(kShares);
+  const auto unused = std::find(gains.begin(), gains.end(), 0.0);
+  const ModePlace place{block, static_cast<std::size_t>(unused - gains.begin()), resonator};
+  auto starts =
+      scene.frequency_only ? mode_starts(scene, modes, kMaxParallelDamping) : starts_at_peaks(scene);
+  if (starts.empty()) return;
+  Term term;
+  term.placed = placed;
+  term.blocks = {block};
+  term.unknowns = {logarithmic_unknown("natural_frequency_hz", 0.3 * scene.low_hz, 3.0 * scene.top_hz),
+                   logarithmic_unknown("damping_ratio", 1e-3, kMaxParallelDamping),
+                   linear_unknown("gain", -kMaxShare, kMaxShare, kTypicalShare)};
+  term.write = [place](Model& m, std::span<const double> v) { place.write(m, v[0], v[1], v[2]); };
+  term.undo = [place](Model& m) { place.clear(m); };
+  out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
+}
+
+bool is_no_name(const Model& model, const Term& last, const Scene& scene) {
+  const double hz = last.unknowns[0].value;
+  if (hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz)) return true;
+  std::vector<const Term*> modes;
+  for (const Term& term : model.terms()) {
+    if (term.effect == last.effect) modes.push_back(&term);
+  }
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    if (hides_the_path(model, modes, i, scene.top_hz)) return true;
+    for (std::size_t k = 0; k < i; ++k) {
+      if (cancel(*modes[i], *modes[k])) return true;
     }
-    return starts;
   }
+  return false;
+}
 
-  static bool is_linear_mode(const Scene& scene, std::size_t at) {
-    const auto& block = scene.model->at(at);
-    return block.has("natural_frequency_hz") && block.has("damping_ratio") && scene.linear(at);
-  }
-  /// The base model's resonator that a block of this effect stands in parallel with: other terms may have come between the two.
-  static std::optional<int> parallel_resonator(const Model& model, int block) {
-    std::size_t at = model.position_of(block);
-    if (!(model.at(at).get("resonator_hz") > 0.0)) return std::nullopt;
-    while (!model.is_base(at)) --at;
-    return model.id_at(at);
-  }
+void add_block(const Scene& scene, std::size_t at, std::optional<int> resonator, const std::string& placed,
+               std::vector<Proposal>& out) {
+  Model model = *scene.model;
+  const int block = model.insert(at, chain::make_block("parallel_modes"));
+  if (resonator) ModePlace::set_resonator(model.block(block), model.block(*resonator));
+  add_proposal(scene, std::move(model), block, resonator, placed, out);
+}
 
-  void add_block(const Scene& scene, std::size_t at, std::optional<int> resonator, const std::string& placed,
-                 std::vector<Proposal>& out) const {
-    Model model = *scene.model;
-    const int block = model.insert(at, chain::make_block("parallel_modes"));
-    if (resonator) ModePlace::set_resonator(model.block(block), model.block(*resonator));
-    add_proposal(scene, std::move(model), block, resonator, placed, out);
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  for (const Term& earlier : scene.model->terms()) {
+    if (earlier.effect->name() != "parallel_mode") continue;
+    const int block = earlier.blocks.front();
+    add_proposal(scene, *scene.model, block, parallel_resonator(*scene.model, block), earlier.placed, out);
+    return;
   }
-
-  void add_proposal(const Scene& scene, Model model, int block, std::optional<int> resonator,
-                    const std::string& placed, std::vector<Proposal>& out) const {
-    const auto& modes = model.block(block);
-    const auto gains = modes.list(kShares);
-    const auto unused = std::find(gains.begin(), gains.end(), 0.0);
-    const ModePlace place{block, static_cast<std::size_t>(unused - gains.begin()), resonator};
-    auto starts =
-        scene.frequency_only ? mode_starts(scene, modes, kMaxParallelDamping) : starts_at_peaks(scene);
-    if (starts.empty()) return;
-    Term term;
-    term.effect = this;
-    term.placed = placed;
-    term.blocks = {block};
-    term.unknowns = {logarithmic_unknown("natural_frequency_hz", 0.3 * scene.low_hz, 3.0 * scene.top_hz),
-                     logarithmic_unknown("damping_ratio", 1e-3, kMaxParallelDamping),
-                     linear_unknown("gain", -kMaxShare, kMaxShare, kTypicalShare)};
-    term.write = [place](Model& m, std::span<const double> v) { place.write(m, v[0], v[1], v[2]); };
-    term.undo = [place](Model& m) { place.clear(m); };
-    out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
+  for (std::size_t at : scene.linear_places()) {
+    const auto placed = scene.model->placed(at);
+    add_block(scene, at, std::nullopt, placed, out);
   }
-};
+  for (std::size_t at : scene.base_places()) {
+    if (is_linear_mode(scene, at))
+      add_block(scene, at + 1, scene.model->id_at(at),
+                "in parallel with block " + std::to_string(scene.model->base_number(at)), out);
+  }
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, parallel_mode_effect, ParallelMode)
+BODESMITH_EFFECT(
+    parallel_mode, .what = "a second-order mode in parallel with the path, of either sign",
+    .experiment =
+        "a sweep through the suspected frequency and the zero next to it, and the same with the sensor elsewhere",
+    .linear = true, .repeatable = true, .of_no_circuit = true, .propose = propose, .is_no_name = is_no_name)
 
 }  // namespace bodesmith::gap

@@ -3,29 +3,20 @@
 namespace bodesmith::gap {
 namespace {
 
-class PartValue final : public Effect {
- public:
-  PartValue()
-      : Effect({.name = "part_value",
-                .what = "a part of a block is off its value",
-                .experiment = "one end of the part lifted, and the part measured",
-                .places_a_round = 6}) {}
-  /// A section's capacitors, and op-amps, are effects of their own.
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    for (std::size_t at : scene.base_places()) {
-      const chain::Block& block = scene.model->at(at);
-      for (std::size_t k = 0; block.parts && block.section_order() == 0 && k < block.parts->size(); ++k) {
-        if ((*block.parts)[k].noise_gain.empty()) out.push_back(change_part(scene, *this, at, k));
-      }
+/// A section's capacitors, and op-amps, are effects of their own.
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  for (std::size_t at : scene.base_places()) {
+    const chain::Block& block = scene.model->at(at);
+    for (std::size_t k = 0; block.parts && block.section_order() == 0 && k < block.parts->size(); ++k) {
+      if ((*block.parts)[k].noise_gain.empty()) out.push_back(change_part(scene, at, k));
     }
   }
-};
+}
 
 }  // namespace
 
-const Effect& part_value_effect() {
-  static const PartValue effect;
-  return effect;
-}
+BODESMITH_EFFECT(part_value, .what = "a part of a block is off its value",
+                 .experiment = "one end of the part lifted, and the part measured", .places_a_round = 6,
+                 .propose = propose)
 
 }  // namespace bodesmith::gap

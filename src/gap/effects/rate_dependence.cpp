@@ -11,40 +11,35 @@ namespace {
 /// Nearer to one it is a pole or a zero.
 constexpr double kMaxOrder = 0.6;
 
-class RateDependence final : public Effect {
- public:
-  RateDependence()
-      : Effect({.name = "rate_dependence",
-                .what = "the gain changes with frequency by a fractional order",
-                .experiment = "a sweep over more decades",
-                .linear = true}) {}
-  /// Between its corners the gain falls like that of logarithmic creep with these time constants.
-  bool is_implausible(const Model& model, const Scene& scene) const override {
-    const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));
-    return block.get("beta") <= 0.0 &&
-           lies_below_driven_band(block.get("lambda_s") * std::sqrt(block.get("x")), scene);
-  }
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    for (std::size_t at : scene.linear_places()) {
-      const double low = std::max(scene.low_hz, 1e-3 * scene.band_hz);
-      Starts starts;
-      for (double corner : {low, std::sqrt(low * scene.band_hz)}) {
-        for (double beta : {-0.05, 0.05}) starts.push_back({1.0 / Hertz{corner}.rad_s().value, 0.05, beta});
-      }
-      auto block = chain::make_block("fractional_lead_lag");
-      block.set("lambda_s", starts[0][0]).set("x", 0.05).set("beta", 0.0);
-      const double t = 1.0 / Hertz{scene.band_hz}.rad_s().value;
-      out.push_back(insert_block(
-          scene, *this, at, block,
-          {logarithmic_unknown("lambda_s", 0.1 * t, 1e4 * t), logarithmic_unknown("x", 1e-4, 0.8),
-           linear_unknown("beta", -kMaxOrder, kMaxOrder, 0.1)},
-          starts));
+/// Between its corners the gain falls like that of logarithmic creep with these time constants.
+bool is_implausible(const Model& model, const Scene& scene) {
+  const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));
+  return block.get("beta") <= 0.0 &&
+         lies_below_driven_band(block.get("lambda_s") * std::sqrt(block.get("x")), scene);
+}
+
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  for (std::size_t at : scene.linear_places()) {
+    const double low = std::max(scene.low_hz, 1e-3 * scene.band_hz);
+    Starts starts;
+    for (double corner : {low, std::sqrt(low * scene.band_hz)}) {
+      for (double beta : {-0.05, 0.05}) starts.push_back({1.0 / Hertz{corner}.rad_s().value, 0.05, beta});
     }
+    auto block = chain::make_block("fractional_lead_lag");
+    block.set("lambda_s", starts[0][0]).set("x", 0.05).set("beta", 0.0);
+    const double t = 1.0 / Hertz{scene.band_hz}.rad_s().value;
+    out.push_back(
+        insert_block(scene, at, block,
+                     {logarithmic_unknown("lambda_s", 0.1 * t, 1e4 * t), logarithmic_unknown("x", 1e-4, 0.8),
+                      linear_unknown("beta", -kMaxOrder, kMaxOrder, 0.1)},
+                     starts));
   }
-};
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, rate_dependence_effect, RateDependence)
+BODESMITH_EFFECT(rate_dependence, .what = "the gain changes with frequency by a fractional order",
+                 .experiment = "a sweep over more decades", .linear = true, .propose = propose,
+                 .is_implausible = is_implausible)
 
 }  // namespace bodesmith::gap

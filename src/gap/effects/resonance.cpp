@@ -9,50 +9,42 @@ namespace {
 /// More damping leaves no peak: two lags, which have names of their own.
 constexpr double kMaxDamping = 0.7;
 
-class Resonance final : public Effect {
- public:
-  Resonance()
-      : Effect({.name = "resonance",
-                .what = "a second-order mode",
-                .experiment = "a sweep through the suspected frequency",
-                .linear = true,
-                .repeatable_in_response = true,
-                .of_no_circuit = true}) {}
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    Starts starts;
-    auto peaks = scene.residual_peaks_hz;
-    for (double factor : {0.6, 1.2, 2.0, 3.5, 6.0}) peaks.push_back(factor * scene.band_hz);
-    for (double hz : scene.beyond_band_hz(6.0, 3)) peaks.push_back(hz);
-    for (double hz : peaks) {
-      if (hz > 0.95 * scene.top_hz) continue;
-      starts.push_back({hz, 0.05});
-      starts.push_back({hz, 0.4});
-      if (scene.frequency_only) starts.push_back({hz, 0.01});
-    }
-    if (scene.frequency_only) {
-      // Runs are cheap there, and a sharp mode is only seen from near by.
-      const double ratio = std::pow(1.2 * scene.top_hz / scene.low_hz, 1.0 / 39.0);
-      double hz = scene.low_hz;
-      for (int k = 0; k < 40; ++k, hz *= ratio) {
-        for (double damping : {0.01, 0.05, 0.3}) starts.push_back({hz, damping});
-      }
-    }
-    if (starts.empty()) return;
-    // Above what is sampled it is a lag.
-    const double high = (scene.frequency_only ? 3.0 : 1.0) * scene.top_hz;
-    for (std::size_t at : scene.linear_places()) {
-      auto block = chain::make_block("resonator");
-      block.set("gain", 1.0);
-      out.push_back(insert_block(scene, *this, at, block,
-                                 {logarithmic_unknown("natural_frequency_hz", 0.05 * scene.low_hz, high),
-                                  logarithmic_unknown("damping_ratio", 1e-3, kMaxDamping)},
-                                 starts));
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  Starts starts;
+  auto peaks = scene.residual_peaks_hz;
+  for (double factor : {0.6, 1.2, 2.0, 3.5, 6.0}) peaks.push_back(factor * scene.band_hz);
+  for (double hz : scene.beyond_band_hz(6.0, 3)) peaks.push_back(hz);
+  for (double hz : peaks) {
+    if (hz > 0.95 * scene.top_hz) continue;
+    starts.push_back({hz, 0.05});
+    starts.push_back({hz, 0.4});
+    if (scene.frequency_only) starts.push_back({hz, 0.01});
+  }
+  if (scene.frequency_only) {
+    // Runs are cheap there, and a sharp mode is only seen from near by.
+    const double ratio = std::pow(1.2 * scene.top_hz / scene.low_hz, 1.0 / 39.0);
+    double hz = scene.low_hz;
+    for (int k = 0; k < 40; ++k, hz *= ratio) {
+      for (double damping : {0.01, 0.05, 0.3}) starts.push_back({hz, damping});
     }
   }
-};
+  if (starts.empty()) return;
+  // Above what is sampled it is a lag.
+  const double high = (scene.frequency_only ? 3.0 : 1.0) * scene.top_hz;
+  for (std::size_t at : scene.linear_places()) {
+    auto block = chain::make_block("resonator");
+    block.set("gain", 1.0);
+    out.push_back(insert_block(scene, at, block,
+                               {logarithmic_unknown("natural_frequency_hz", 0.05 * scene.low_hz, high),
+                                logarithmic_unknown("damping_ratio", 1e-3, kMaxDamping)},
+                               starts));
+  }
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, resonance_effect, Resonance)
+BODESMITH_EFFECT(resonance, .what = "a second-order mode",
+                 .experiment = "a sweep through the suspected frequency", .linear = true,
+                 .repeatable_in_response = true, .of_no_circuit = true, .propose = propose)
 
 }  // namespace bodesmith::gap

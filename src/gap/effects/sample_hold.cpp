@@ -25,76 +25,67 @@ chain::Block hold_block(bool half, double clock_hz) {
 /// Holds of more samples are slower than any drive that could be followed with them.
 constexpr int kMostSamplesHeld = 12;
 
-class SampleHold final : public Effect {
- public:
-  SampleHold()
-      : Effect({.name = "sample_hold",
-                .what = "a clocked hold: droop and half a cycle of delay",
-                .experiment = "a faster clock, or a record sampled much faster than it",
-                .linear = true,
-                .starts_from_residual = true,
-                .places_a_round = 4}) {}
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) {
-      propose_in_response(scene, out);
-    } else {
-      propose_in_time(scene, out);
-    }
+void propose_in_response(const Scene& scene, std::vector<Proposal>& out) {
+  Starts starts;
+  for (double factor : {1.2, 2.5, 6.0, 20.0}) starts.push_back({factor * scene.top_hz});
+  const auto clock = logarithmic_unknown("clock_hz", 0.6 * scene.top_hz, 1e3 * scene.top_hz);
+  for (std::size_t at : scene.linear_places()) {
+    for (bool half : {false, true})
+      out.push_back(insert_block(scene, at, hold_block(half, starts[0][0]), {clock}, starts));
   }
+}
 
- private:
-  void propose_in_response(const Scene& scene, std::vector<Proposal>& out) const {
-    Starts starts;
-    for (double factor : {1.2, 2.5, 6.0, 20.0}) starts.push_back({factor * scene.top_hz});
-    const auto clock = logarithmic_unknown("clock_hz", 0.6 * scene.top_hz, 1e3 * scene.top_hz);
-    for (std::size_t at : scene.linear_places()) {
-      for (bool half : {false, true})
-        out.push_back(insert_block(scene, *this, at, hold_block(half, starts[0][0]), {clock}, starts));
-    }
-  }
-
-  /// A held signal lags by half a clock on the average; that, and the staircase itself, tell the clock.
-  void propose_in_time(const Scene& scene, std::vector<Proposal>& out) const {
-    const double lag_s = mean_lag_s(scene);
-    const bool lags = lag_s > 0.0 && !scene.is_between_samples(lag_s);
-    const std::vector<std::size_t> places = scene.static_places();
-    // What is late in front of linear dynamics is late at the end too, where they have not to be undone.
-    std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
-    parallel_for(found.size(), scene.threads, [&](std::size_t i) {
-      const std::size_t at = places[i / 2];
-      const bool half = i % 2 == 1;
-      if (at != scene.end() && !dynamics_follow(scene, at)) return;
-      found[i] = clocks_of_hold(scene, at, half);
-      if (!lags) return;
-      const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
-      found[i].push_back({guess});
-      const auto more = clocks_of_hold(scene, at, half, guess);
-      found[i].insert(found[i].end(), more.begin(), more.end());
-    });
-    const std::array at_end = {found[found.size() - 2], found.back()};
-    for (std::size_t i = 0; i + 2 < found.size(); ++i)
-      found[i].insert(found[i].end(), at_end[i % 2].begin(), at_end[i % 2].end());
-    for (std::size_t place = 0; place < places.size(); ++place) {
-      const std::size_t at = places[place];
-      for (const bool half : {false, true}) {
-        Starts starts = found[2 * place + (half ? 1 : 0)];
-        // One converter often drives both: clocks of which the sampling is a multiple.
-        for (int samples = 2; samples <= kMostSamplesHeld; ++samples) {
-          if (const double hz = 1.0 / (samples * scene.step_s); hz > scene.band_hz) starts.push_back({hz});
-        }
-        if (starts.empty()) continue;
-        const auto [low, high] = std::minmax_element(starts.begin(), starts.end());
-        auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);
-        // A tenth of a sample at the record's end.
-        clock.hop = 0.1 * starts[0][0] / static_cast<double>(scene.residual.size());
-        out.push_back(insert_block(scene, *this, at, hold_block(half, starts[0][0]), {clock}, starts));
+/// A held signal lags by half a clock on the average; that, and the staircase itself, tell the clock.
+void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
+  const double lag_s = mean_lag_s(scene);
+  const bool lags = lag_s > 0.0 && !scene.is_between_samples(lag_s);
+  const std::vector<std::size_t> places = scene.static_places();
+  // What is late in front of linear dynamics is late at the end too, where they have not to be undone.
+  std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
+  parallel_for(found.size(), scene.threads, [&](std::size_t i) {
+    const std::size_t at = places[i / 2];
+    const bool half = i % 2 == 1;
+    if (at != scene.end() && !dynamics_follow(scene, at)) return;
+    found[i] = clocks_of_hold(scene, at, half);
+    if (!lags) return;
+    const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
+    found[i].push_back({guess});
+    const auto more = clocks_of_hold(scene, at, half, guess);
+    found[i].insert(found[i].end(), more.begin(), more.end());
+  });
+  const std::array at_end = {found[found.size() - 2], found.back()};
+  for (std::size_t i = 0; i + 2 < found.size(); ++i)
+    found[i].insert(found[i].end(), at_end[i % 2].begin(), at_end[i % 2].end());
+  for (std::size_t place = 0; place < places.size(); ++place) {
+    const std::size_t at = places[place];
+    for (const bool half : {false, true}) {
+      Starts starts = found[2 * place + (half ? 1 : 0)];
+      // One converter often drives both: clocks of which the sampling is a multiple.
+      for (int samples = 2; samples <= kMostSamplesHeld; ++samples) {
+        if (const double hz = 1.0 / (samples * scene.step_s); hz > scene.band_hz) starts.push_back({hz});
       }
+      if (starts.empty()) continue;
+      const auto [low, high] = std::minmax_element(starts.begin(), starts.end());
+      auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);
+      // A tenth of a sample at the record's end.
+      clock.hop = 0.1 * starts[0][0] / static_cast<double>(scene.residual.size());
+      out.push_back(insert_block(scene, at, hold_block(half, starts[0][0]), {clock}, starts));
     }
   }
-};
+}
+
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  if (scene.frequency_only) {
+    propose_in_response(scene, out);
+  } else {
+    propose_in_time(scene, out);
+  }
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, sample_hold_effect, SampleHold)
+BODESMITH_EFFECT(sample_hold, .what = "a clocked hold: droop and half a cycle of delay",
+                 .experiment = "a faster clock, or a record sampled much faster than it", .linear = true,
+                 .starts_from_residual = true, .places_a_round = 4, .propose = propose)
 
 }  // namespace bodesmith::gap

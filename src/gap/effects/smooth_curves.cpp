@@ -9,42 +9,30 @@ namespace bodesmith::gap {
 namespace {
 
 /// y = u + c u^power. With s the size of the signal there, c is bounded by 2/s^(power-1).
-class SmoothCurve final : public Effect {
- public:
-  SmoothCurve(EffectFacts facts, int power) : Effect(std::move(facts)), power_(power) {}
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    std::vector<double> coefficients(static_cast<std::size_t>(power_) + 1, 0.0);
+auto smooth_curve(int power) {
+  return [power](const Scene& scene, std::vector<Proposal>& out) {
+    std::vector<double> coefficients(static_cast<std::size_t>(power) + 1, 0.0);
     coefficients[1] = 1.0;
     auto block = chain::make_block("polynomial");
     block.set("coefficients", coefficients);
     for (std::size_t at : scene.static_places()) {
       if (memory_may_bend(scene, at)) continue;
-      const double scale = 0.1 / std::pow(scene.boundary[at].size(), power_ - 1);
-      const std::string name = "coefficients[" + std::to_string(power_) + "]";
-      out.push_back(insert_block(scene, *this, at, block,
-                                 {linear_unknown(name, -20.0 * scale, 20.0 * scale, scale)},
+      const double scale = 0.1 / std::pow(scene.boundary[at].size(), power - 1);
+      const std::string name = "coefficients[" + std::to_string(power) + "]";
+      out.push_back(insert_block(scene, at, block, {linear_unknown(name, -20.0 * scale, 20.0 * scale, scale)},
                                  {{0.05 * scale}, {-0.05 * scale}}));
     }
-  }
-
- private:
-  int power_;
-};
+  };
+}
 
 constexpr const char* kExperiment = "the same drive at two amplitudes with and without a bias";
 
 }  // namespace
 
-const Effect& quadratic_nonlinearity_effect() {
-  static const SmoothCurve effect(
-      {.name = "quadratic_nonlinearity", .what = "a smooth even static curve", .experiment = kExperiment}, 2);
-  return effect;
-}
+BODESMITH_EFFECT(quadratic_nonlinearity, .what = "a smooth even static curve", .experiment = kExperiment,
+                 .propose = smooth_curve(2))
 
-const Effect& cubic_nonlinearity_effect() {
-  static const SmoothCurve effect(
-      {.name = "cubic_nonlinearity", .what = "a smooth odd static curve", .experiment = kExperiment}, 3);
-  return effect;
-}
+BODESMITH_EFFECT(cubic_nonlinearity, .what = "a smooth odd static curve", .experiment = kExperiment,
+                 .propose = smooth_curve(3))
 
 }  // namespace bodesmith::gap

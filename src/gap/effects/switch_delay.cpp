@@ -9,35 +9,30 @@ namespace {
 /// Of a delay: starts of the comb are no nearer to each other. The hops around where a fit ends (Unknown::hop) reach further.
 constexpr double kFinest = 0.03;
 
-class SwitchDelay final : public Effect {
- public:
-  SwitchDelay()
-      : Effect(
-            {.name = "switch_delay",
-             .what = "the branch switch acts late",
-             .experiment =
-                 "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both"}) {}
-  bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
-    return scene.is_between_samples(term.unknowns.front().value);
+bool is_no_name(const Model&, const Term& term, const Scene& scene) {
+  return scene.is_between_samples(term.unknowns.front().value);
+}
+
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  for (std::size_t at : places_of_unused(scene, "switch_delay_s")) {
+    const double step = scene.step_s;
+    // Every turn moves with the delay across samples, so the sum of squares is hilly: a comb over what is possible, a
+    // sample apart as long as that is a small part of the delay.
+    Starts starts;
+    for (double delay = 0.5 * step; delay < 0.4 / scene.low_hz; delay += std::max(step, kFinest * delay))
+      starts.push_back({delay});
+    if (starts.empty()) starts.push_back({0.5 * step});
+    auto delay = logarithmic_unknown("switch_delay_s", 0.01 * step, 0.5 / scene.low_hz);
+    delay.hop = 0.1 * step;
+    out.push_back(change_block(scene, at, {delay}, starts));
   }
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    for (std::size_t at : places_of_unused(scene, "switch_delay_s")) {
-      const double step = scene.step_s;
-      // Every turn moves with the delay across samples, so the sum of squares is hilly: a comb over what is possible, a
-      // sample apart as long as that is a small part of the delay.
-      Starts starts;
-      for (double delay = 0.5 * step; delay < 0.4 / scene.low_hz; delay += std::max(step, kFinest * delay))
-        starts.push_back({delay});
-      if (starts.empty()) starts.push_back({0.5 * step});
-      auto delay = logarithmic_unknown("switch_delay_s", 0.01 * step, 0.5 / scene.low_hz);
-      delay.hop = 0.1 * step;
-      out.push_back(change_block(scene, *this, at, {delay}, starts));
-    }
-  }
-};
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, switch_delay_effect, SwitchDelay)
+BODESMITH_EFFECT(
+    switch_delay, .what = "the branch switch acts late",
+    .experiment = "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both",
+    .propose = propose, .is_no_name = is_no_name)
 
 }  // namespace bodesmith::gap

@@ -4,30 +4,24 @@
 namespace bodesmith::gap {
 namespace {
 
-class TimeDelay final : public Effect {
- public:
-  TimeDelay()
-      : Effect({.name = "time_delay",
-                .what = "the signal arrives later",
-                .experiment = "a sweep to higher frequencies: a pole loses gain, a delay does not",
-                .linear = true,
-                .of_no_circuit = true}) {}
-  bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
-    return scene.is_between_samples(term.unknowns.front().value);
+bool is_no_name(const Model&, const Term& term, const Scene& scene) {
+  return scene.is_between_samples(term.unknowns.front().value);
+}
+
+void propose(const Scene& scene, std::vector<Proposal>& out) {
+  const double step = scene.frequency_only ? 0.02 / scene.top_hz : scene.step_s;
+  const double max_delay = scene.frequency_only ? 2.0 / scene.low_hz : 0.1 * scene.duration_s;
+  const Starts starts = {{0.3 * step}, {2.0 * step}, {0.05 / scene.band_hz}, {0.15 / scene.band_hz}};
+  for (std::size_t at : scene.linear_places()) {
+    out.push_back(insert_block(scene, at, chain::make_block("delay"),
+                               {logarithmic_unknown("delay_s", 1e-3 * step, max_delay)}, starts));
   }
-  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    const double step = scene.frequency_only ? 0.02 / scene.top_hz : scene.step_s;
-    const double max_delay = scene.frequency_only ? 2.0 / scene.low_hz : 0.1 * scene.duration_s;
-    const Starts starts = {{0.3 * step}, {2.0 * step}, {0.05 / scene.band_hz}, {0.15 / scene.band_hz}};
-    for (std::size_t at : scene.linear_places()) {
-      out.push_back(insert_block(scene, *this, at, chain::make_block("delay"),
-                                 {logarithmic_unknown("delay_s", 1e-3 * step, max_delay)}, starts));
-    }
-  }
-};
+}
 
 }  // namespace
 
-BODESMITH_ENTRY(Effect, time_delay_effect, TimeDelay)
+BODESMITH_EFFECT(time_delay, .what = "the signal arrives later",
+                 .experiment = "a sweep to higher frequencies: a pole loses gain, a delay does not",
+                 .linear = true, .of_no_circuit = true, .propose = propose, .is_no_name = is_no_name)
 
 }  // namespace bodesmith::gap

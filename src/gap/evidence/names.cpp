@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace bodesmith::gap {
-namespace {
-
-/// Another place of the same effect holds this part of the best one's evidence.
-constexpr double kAsGoodAPlace = 0.1;
-
-}  // namespace
 
 bool is_name(const Ranked& r) {
   return std::isfinite(r.log_evidence) && r.outcome != CandidateOutcome::no_name &&
@@ -59,7 +53,7 @@ void judge_ranking(Step& step) {
   for (const auto& r : step.ranking) {
     const bool there = std::count(step.also_placed.begin(), step.also_placed.end(), r.placed) > 0;
     if (best != nullptr && r.effect == step.effect && r.placed != step.placed && !there && is_name(r) &&
-        r.log_evidence > best->log_evidence + std::log(kAsGoodAPlace))
+        r.log_evidence > best->log_evidence + std::log(kTied))
       step.also_placed.push_back(r.placed);
   }
 }

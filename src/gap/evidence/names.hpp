@@ -8,7 +8,7 @@
 
 namespace bodesmith::gap {
 
-/// A name is told alone from .9 on (the contract); others of less than a twentieth are not told alongside it.
+/// A name is told alone from .9 on (the contract); others, and other places of it, of less than a twentieth are not told alongside it.
 constexpr double kTied = 0.05;
 
 /// A candidate that was fitted, is of use and is no other effect's form.

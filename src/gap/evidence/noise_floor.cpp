@@ -17,8 +17,7 @@ namespace {
 constexpr double kPowerAboveBand = 1e-6;
 /// an input whose band reaches beyond this part of the spectrum fills it.
 constexpr double kMaxBand = 0.7;
-/// Samples, and bins above the band, below which nothing is said.
-constexpr std::size_t kMinSamples = 64;
+/// Bins above the band, below which nothing is said.
 constexpr std::size_t kMinBins = 8;
 
 }  // namespace
@@ -68,7 +67,6 @@ NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t f
 NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, const std::vector<double>& input,
                                        double step_s) {
   NoiseFloor floor;
-  if (residual.size() < kMinSamples || input.size() < kMinSamples) return floor;
   const auto u = periodogram(input, step_s);
   double total = 0.0;
   for (double p : u.power) total += p;

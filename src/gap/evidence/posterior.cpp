@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "gap/evidence/names.hpp"
 #include "gap/evidence/score.hpp"
 
 namespace bodesmith::gap {
@@ -80,7 +79,7 @@ Posterior posterior_of(const SearchResult& result, bool more_is_left) {
   }
   double held = 0.0;
   for (const auto& set : sets) {
-    if (held >= Posterior::kHeld) break;
+    if (held >= 1.0 - kTied) break;
     held += set.probability;
     out.alternatives.push_back(set);
   }

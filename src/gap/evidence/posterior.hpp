@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "gap/search_result.hpp"
+#include "gap/evidence/names.hpp"
 
 namespace bodesmith::gap {
 
@@ -16,10 +16,8 @@ struct NamedSet {
 struct Posterior {
   std::vector<double> among_names;     ///< probability of each step's name, were the catalogue all there is
   std::vector<double> of_steps;        ///< the same with what may be outside it
-  std::vector<NamedSet> alternatives;  ///< most probable first, until they hold 95 % (Posterior::kHeld)
+  std::vector<NamedSet> alternatives;  ///< most probable first, until they hold all but a twentieth (kTied)
   double outside = 0.0;                ///< that none of the catalogue is the whole answer
-
-  static constexpr double kHeld = 0.95;
 };
 
 /// Every model that a step's round fitted, and the one without the step, by its evidence (score.hpp) and what a name costs. An

@@ -97,6 +97,7 @@ class Model {
   void add(Term term);
   void remove(std::size_t term);
   void move_term(std::size_t from, std::size_t to);
+  void set_effect_of_last(const Effect& effect) { terms_.back().effect = &effect; }
   void set_log_prior(std::size_t term, double value) { terms_[term].log_prior = value; }
   /// Place of a term's first unknown among the model's.
   std::size_t first_unknown_of(std::size_t term) const;

@@ -20,8 +20,6 @@ constexpr double kSameUnit = 0.5;
 /// Size of an initial state that free responses are found with, as a part of the output: small, so that
 /// nonlinear dynamics answer in proportion.
 constexpr double kNudge = 1e-5;
-/// A free response that others explain but for this part of it is no direction of its own.
-constexpr double kMinOwnPart = 1e-3;
 
 double off_from_given(const Unknown& u, double value) {
   return u.logarithmic ? std::log(value / u.given) : value - u.given;
@@ -119,7 +117,7 @@ Directions free_responses(const Model& model, const TimeExperiment& experiment, 
     state = 0.0;
     std::vector<double> response(base.size());
     for (std::size_t i = 0; i < response.size(); ++i) response[i] = (y[i] - base[i]) / nudge;
-    directions.add(std::move(response), kMinOwnPart);
+    directions.add(std::move(response));
   }
   return directions;
 }

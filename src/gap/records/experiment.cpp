@@ -17,13 +17,14 @@ double length_of(const std::vector<double>& v) {
 
 }  // namespace
 
-void Directions::add(std::vector<double> v, double least_own) {
+void Directions::add(std::vector<double> v) {
+  constexpr double kLeastOwn = 1e-5;
   const double size = length_of(v);
   if (!(size > 0.0) || !std::isfinite(size)) return;
   for (double& x : v) x /= size;
   for (int twice = 0; twice < 2; ++twice) take_out(v);
   const double left = length_of(v);
-  if (left < least_own) return;
+  if (left < kLeastOwn) return;
   for (double& x : v) x /= left;
   all_.push_back(std::move(v));
 }

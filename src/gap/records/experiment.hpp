@@ -16,8 +16,8 @@ namespace bodesmith::gap {
 /// Langou, Rozloznik, Computers & Mathematics with Applications 50 (2005) 1069).
 class Directions {
  public:
-  /// Adds what is v's own in addition to those before; nothing where they explain it but for this part.
-  void add(std::vector<double> v, double least_own = 1e-5);
+  /// Adds what is v's own in addition to those before; nothing where they explain it but for a hundred thousandth.
+  void add(std::vector<double> v);
   /// Takes out of a signal over the same samples what they explain.
   void take_out(std::span<double> v) const;
   const std::vector<std::vector<double>>& all() const { return all_; }

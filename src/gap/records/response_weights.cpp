@@ -8,9 +8,8 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A coherence of 0 says nothing of a point, and one that rounds to 1 not everything.
-constexpr double kLeastCoherence = 1e-3;
-constexpr double kLeastVariance = 1e-8;
+/// A coherence of 0 does not say nothing of a point, and one that rounds to 1 not everything: neither is taken to be nearer to the end.
+constexpr double kFromEnds = 1e-6;
 /// Times the variance of the best points, so many of all (the good part of a linear grid may be small).
 constexpr double kLeastOfGood = 0.1;
 constexpr double kBest = 0.03;
@@ -19,11 +18,11 @@ constexpr double kBest = 0.03;
 std::vector<double> variances(const MeasuredResponse& record) {
   std::vector<double> out;
   for (std::size_t i = 0; i < record.coherence.size(); ++i) {
-    const double g = std::clamp(record.coherence[i], kLeastCoherence, 1.0);
+    const double g = std::clamp(record.coherence[i], kFromEnds, 1.0 - kFromEnds);
     const double n = record.averages.empty() ? 1.0 : record.averages[i];
     out.push_back((1.0 - g) / (2.0 * n * g));
   }
-  const double least = std::max(kLeastVariance, kLeastOfGood * quantile(out, kBest));
+  const double least = kLeastOfGood * quantile(out, kBest);
   for (double& v : out) v = std::max(v, least);
   return out;
 }

@@ -7,9 +7,6 @@
 
 namespace bodesmith::gap {
 
-/// Samples after which a model forgets its initial state: seven times its slowest time constant.
-std::size_t settling_samples(const chain::Chain& chain, double step_s);
-
 /// The input does not begin at zero (but for a hundredth of its range): what it did before is not in the record.
 bool begins_under_bias(const TimeRecord& record);
 

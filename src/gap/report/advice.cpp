@@ -21,8 +21,6 @@ std::string experiments_for(const DiagnosedStep& step) {
   return text + ".";
 }
 
-/// Of the rms: what a refused effect has to take to be told of.
-constexpr double kWorthTelling = 0.25;
 /// Odds against one that is told of though no sign says that something is missing: ln of them.
 constexpr double kStillLikely = 5.0;
 
@@ -35,9 +33,7 @@ double log_odds_against(const Ranked& r, const Diagnosis& d) {
 const Ranked* likeliest_refused(const Diagnosis& d) {
   for (const Ranked& r : d.search.refused) {
     if (r.outcome != CandidateOutcome::not_judged || !(log_odds_against(r, d) < kStillLikely)) continue;
-    if (r.train_rms > (1.0 - kWorthTelling) * d.final.train_rms || !(r.holdout_rms < d.final.holdout_rms))
-      continue;
-    return &r;
+    if (r.holdout_rms < d.final.holdout_rms) return &r;
   }
   return nullptr;
 }

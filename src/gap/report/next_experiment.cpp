@@ -27,9 +27,6 @@ constexpr std::size_t kMaxSamplesOfDrive = 3000;
 /// Sines of a multisine.
 constexpr int kSines = 12;
 
-/// More rivals than this are not told apart by one drive.
-constexpr std::size_t kMostRivals = 4;
-
 struct Rivals {
   std::vector<Model> models;
   std::vector<std::string> names;
@@ -191,7 +188,7 @@ std::optional<Rivals> rivals_of(const SearchResult& result, const std::vector<Op
     Rivals rivals{{step->after}, {std::string(step->effect->name())}};
     for (const auto& r : step->ranking) {
       const std::string name(r.effect->name());
-      if (r.outcome != CandidateOutcome::tied || rivals.models.size() == kMostRivals ||
+      if (r.outcome != CandidateOutcome::tied ||
           std::find(rivals.names.begin(), rivals.names.end(), name) != rivals.names.end())
         continue;
       rivals.models.push_back(r.model);

@@ -157,7 +157,6 @@ std::vector<ScoredFrom> GapMeter::scored_from() const {
 }
 
 std::vector<ConstantOffset> constant_offsets(const GapMeter& meter, const Model& model, const Study& study) {
-  constexpr double kMostOfIt = 0.5;
   std::vector<ConstantOffset> out;
   for (std::size_t i = 0; i < study.holdout().size(); ++i) {
     const auto* time = std::get_if<TimeExperiment>(&study.holdout()[i]);
@@ -165,7 +164,7 @@ std::vector<ConstantOffset> constant_offsets(const GapMeter& meter, const Model&
     const auto residual = meter.holdout_residual(model, i);
     const double middle = mean(residual), whole = rms(residual);
     const double share = middle * middle / (whole * whole);
-    if (!(share >= kMostOfIt)) continue;
+    if (!(share >= kMostOfGap)) continue;
     out.push_back({time->file(), middle, share, whole * std::sqrt(std::max(0.0, 1.0 - share))});
   }
   return out;

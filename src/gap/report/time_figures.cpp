@@ -18,8 +18,7 @@ using report::Series;
 /// Colours of the palette.
 enum Colour { kMeasured, kBase, kExtended, kFloor };
 
-constexpr std::size_t kMaxPoints = 1600;
-constexpr std::size_t kMaxLoopPoints = 3000;
+constexpr std::size_t kMaxPoints = 2000;
 /// The stretch of a record that is shown close: one part in …, and at least so many samples.
 constexpr std::size_t kZoom = 25;
 constexpr std::size_t kMinZoomed = 60;
@@ -110,7 +109,7 @@ Plot residual_over_time(const BeforeAndAfter& s) {
 }
 
 Plot residual_over_input(const BeforeAndAfter& s) {
-  const std::size_t to = std::min(s.record.size(), s.first + kMaxLoopPoints);
+  const std::size_t to = std::min(s.record.size(), s.first + kMaxPoints);
   Plot plot;
   plot.title = "Residual over the input";
   plot.x.label = "input u";

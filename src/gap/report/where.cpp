@@ -16,15 +16,12 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A stretch must hold this part of the gap.
-constexpr double kMinCellShare = 0.5;
 /// An axis on which share exceeds extent by less says nothing (unless none says more).
 constexpr double kMinTelling = 0.15;
 /// Resolution of each axis.
 constexpr double kFrequencyRatio = 1.06;
-constexpr std::size_t kTimeBins = 50;
+constexpr std::size_t kBins = 20;
 constexpr std::size_t kMinSamplesInBin = 8;
-constexpr std::size_t kAmplitudeBins = 20;
 
 double energy_of(std::span<const Bin> bins) {
   double sum = 0.0;
@@ -71,7 +68,7 @@ Cell densest(Axis axis, const Bins& bins) {
   if (!(energy > 0.0) || !(extent > 0.0)) return {axis, bins.front().from, bins.back().to, 1.0, 1.0};
   auto run = densest_run(bins, energy, extent);
   const auto first = [&] { return static_cast<std::size_t>(run.data() - bins.data()); };
-  while (energy_of(run) / energy < kMinCellShare && run.size() < bins.size()) {
+  while (energy_of(run) / energy < kMostOfGap && run.size() < bins.size()) {
     const std::size_t from = first();
     const std::size_t to = from + run.size();
     const double left = from > 0 ? density(bins[from - 1]) : -1.0;
@@ -94,7 +91,7 @@ void keep_telling(std::vector<Cell>& cells) {
 }
 
 Bins time_bins(const std::vector<double>& e, const TimeRecord& record, std::size_t from) {
-  Bins bins(std::min(kTimeBins, e.size() / kMinSamplesInBin));
+  Bins bins(std::min(kBins, e.size() / kMinSamplesInBin));
   for (std::size_t b = 0; b < bins.size(); ++b) {
     const std::size_t i = b * e.size() / bins.size();
     const std::size_t j = (b + 1) * e.size() / bins.size();
@@ -111,14 +108,14 @@ Bins amplitude_bins(const std::vector<double>& e, std::span<const double> u) {
   const auto [low, high] = std::minmax_element(u.begin(), u.end());
   const double span = *high - *low;
   if (!(span > 0.0)) return {};
-  constexpr auto kCount = static_cast<double>(kAmplitudeBins);
-  Bins bins(kAmplitudeBins);
+  constexpr auto kCount = static_cast<double>(kBins);
+  Bins bins(kBins);
   for (std::size_t b = 0; b < bins.size(); ++b) {
     bins[b].from = *low + span * static_cast<double>(b) / kCount;
     bins[b].to = *low + span * static_cast<double>(b + 1) / kCount;
   }
   for (std::size_t i = 0; i < u.size(); ++i) {
-    const auto b = std::min(kAmplitudeBins - 1, whole_number<std::size_t>(kCount * (u[i] - *low) / span));
+    const auto b = std::min(kBins - 1, whole_number<std::size_t>(kCount * (u[i] - *low) / span));
     bins[b].energy += e[i] * e[i];
     bins[b].extent += 1.0;
   }

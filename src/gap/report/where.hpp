@@ -9,6 +9,9 @@
 
 namespace bodesmith::gap {
 
+/// A stretch, or an offset, is told of that holds this part of a gap.
+constexpr double kMostOfGap = 0.5;
+
 /// What a gap is spread over.
 enum class Axis {
   frequency,  ///< of the residual's spectrum, Hz

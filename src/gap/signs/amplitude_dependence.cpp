@@ -16,8 +16,7 @@ namespace {
 
 /// Drives nearer to each other are the same.
 constexpr double kSameDrive = 1.05;
-constexpr std::size_t kPointsToCompare = 12;
-/// Standard deviations of the correlation of neighbouring points, and the least change (of the logarithm) that is told.
+/// Standard deviations of the correlation of neighbouring points (18 of them cannot reach it), and the least change (of the logarithm) that is told.
 constexpr double kCertainly = 6.0;
 constexpr double kLeastChange = 0.005;
 /// A peak stands out by so much (ln) on both sides, moves by this part of a step of the grid, or of itself, at the least.
@@ -198,7 +197,6 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
     at.push_back(small.at[i]);
     change.emplace_back(difference.real(), std::remainder(difference.imag(), 2.0 * std::numbers::pi));
   }
-  if (change.size() < kPointsToCompare) return std::nullopt;
   double energy = 0.0;
   double together = 0.0;
   for (std::size_t i = 0; i < change.size(); ++i) {

@@ -41,11 +41,11 @@ class Chance {
 /// Surrogates (same spectrum, random phases) of a residual that chance is taken from.
 inline constexpr std::uint64_t kSurrogates = 24;
 
-/// What a figure of a residual reaches on its surrogates; `seed`: of the first one's phases.
+/// What a figure of a residual reaches on its surrogates.
 template <class Figure>
-Chance on_surrogates(const std::vector<double>& residual, std::uint64_t seed, Figure figure) {
+Chance on_surrogates(const std::vector<double>& residual, Figure figure) {
   Chance chance;
-  for (std::uint64_t k = 0; k < kSurrogates; ++k) chance.add(figure(phase_surrogate(residual, seed + k)));
+  for (std::uint64_t k = 0; k < kSurrogates; ++k) chance.add(figure(phase_surrogate(residual, k)));
   return chance;
 }
 

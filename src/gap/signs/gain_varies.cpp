@@ -47,7 +47,7 @@ Sign gain_varies(const Leftover& record) {
     return (gains.transpose() * e).squaredNorm() / std::max(e.squaredNorm(), 1e-300);
   };
   const double got = share(record.residual);
-  const Chance chance = on_surrogates(record.residual, 4000, share);
+  const Chance chance = on_surrogates(record.residual, share);
   const auto odds = [](double part) { return part / std::max(1.0 - part, 1e-6); };
   sign.strength = std::max(got / std::max(kLeastShare, chance.limit()),
                            got < kLeastShare ? 0.0 : odds(got) / (kGainTimesOdds * odds(chance.max())));

@@ -16,7 +16,6 @@ constexpr double kJump = 8.0;
 constexpr double kDeviationPerMedian = 1.4826;
 /// Samples on each side of a jump that may be under the noise of single ones: means of n see one that is 1/sqrt(n) as high.
 constexpr std::size_t kSamplesEachSide = 16;
-constexpr std::uint64_t kSeed = 7001;
 
 /// Largest difference between the means of `n` samples on both sides of an instant, over the root mean square of all.
 double plainest_step(const std::vector<double>& v, std::size_t n) {
@@ -43,7 +42,7 @@ Sign jumps(const Leftover& record) {
   const double usual = kDeviationPerMedian * median(std::move(change));
   if (!(usual > 0.0)) return sign;
   const auto figure = [](const std::vector<double>& of) { return plainest_step(of, kSamplesEachSide); };
-  sign.strength = std::max(largest / (kJump * usual), figure(v) / on_surrogates(v, kSeed, figure).limit());
+  sign.strength = std::max(largest / (kJump * usual), figure(v) / on_surrogates(v, figure).limit());
   return sign;
 }
 

@@ -17,9 +17,8 @@ constexpr std::size_t kMinReach = 6;
 constexpr std::size_t kMaxReach = 24;
 constexpr int kMinNeighbours = 3;
 
-constexpr std::size_t kMinPoints = 12;
 /// Deviations of the correlation of neighbouring errors; of heavy-tailed ones it has a larger deviation than
-/// counted.
+/// counted. Ten points cannot reach it.
 constexpr double kSmooth = 4.5;
 
 /// A point of a response stands apart when its energy is so many times that of the points from this distance on. Of
@@ -85,7 +84,6 @@ Sign stands_apart(const Leftover& record) {
 Sign smooth_over_frequency(const Leftover& record) {
   Sign sign{SignKind::smooth_over_frequency, 0.0};
   const std::size_t n = record.response.size() / 2;
-  if (n < kMinPoints) return sign;
   double together = 0.0;
   double energy = 0.0;
   for (std::size_t i = 0; i < n; ++i) {

@@ -116,8 +116,8 @@ TEST(Where, TheStartIsLeftOut) {
   const Cell* time = find(cells, Axis::time);
   ASSERT_NE(time, nullptr);
   EXPECT_NEAR(time->from, 5.6, 1e-9);
-  EXPECT_NEAR(time->to, 5.695, 1e-9);
-  EXPECT_NEAR(time->extent, 96.0 / 800.0, 1e-12);
+  EXPECT_NEAR(time->to, 5.719, 1e-9);
+  EXPECT_NEAR(time->extent, 120.0 / 800.0, 1e-12);
   EXPECT_TRUE(where_of(noisy, kGapRows - 15).empty());
   EXPECT_FALSE(where_of(noisy, kGapRows - 16).empty());
 }

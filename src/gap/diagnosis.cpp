@@ -20,23 +20,16 @@ std::string to_string(Verdict verdict) {
   return kWords.at(static_cast<std::size_t>(verdict));
 }
 
-/// Times the floor that coherence tells: it does not see an instrument's own errors, nor leakage.
-constexpr double kEnoughOfCoherence = 1.5;
-
-Verdict verdict_of(const SearchResult& result, double train_rms, double enough) {
+Verdict verdict_of(const SearchResult& result, double train_rms) {
   if (result.stopped) return Verdict::interrupted;
-  if (result.floor.period == 0) enough = std::max(enough, kEnoughOfCoherence);
   const bool above_floor =
-      result.floor.source == NoiseFloor::Source::periods && train_rms > enough * result.floor.rms;
+      result.floor.source == NoiseFloor::Source::periods && train_rms > kOverFloor * result.floor.rms;
   const bool left = above_floor || !result.structure.empty();
   if (result.steps.empty()) return left ? Verdict::unexplained : Verdict::nothing_missing;
   return left ? Verdict::partly_explained : Verdict::explained;
 }
 
 namespace {
-
-/// Unknowns of one term when nothing with another excitation is held out.
-constexpr std::size_t kMaxUnknownsWhenSplit = 2;
 
 /// The held-out records disagree when this much more is left of them than of the training records.
 constexpr double kDisagrees = 2.0;
@@ -123,15 +116,6 @@ bool disagrees(const Diagnosis& d) {
   return worse || d.final.holdout_rms > kDisagrees * d.final.train_rms;
 }
 
-/// Times a floor found above the band: noise that correlates over thirty samples stands so far above its own white level
-/// (root of (1 + rho)/(1 - rho)); half of it would call red noise of ten samples a gap.
-constexpr double kFarAboveWhite = 8.0;
-
-bool is_far_above_white_floor(const Diagnosis& d) {
-  return d.floor.source == NoiseFloor::Source::high_frequency &&
-         std::max(d.final.train_rms, d.final.holdout_rms) > kFarAboveWhite * d.floor.rms;
-}
-
 }  // namespace
 
 Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOptions& options) {
@@ -141,11 +125,9 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   Diagnosis d;
   d.relative = study.frequency_responses();
   d.weighted = study.weighted();
-  SearchOptions chosen = options;
-  if (study.split()) chosen.bounds.max_unknowns = kMaxUnknownsWhenSplit;
   d.amplitude = amplitude_dependence(study.train());
   Experiments searched = d.amplitude ? of_least_drive(study.train()) : study.train();
-  StartedSearch started = search_from_start(base, searched, chosen);
+  StartedSearch started = search_from_start(base, searched, options);
   d.search = std::move(started.search);
   d.start = started.start;
   study.set_holds(d.search.holds);
@@ -172,11 +154,10 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.where = meter.where(d.search.initial);
   d.remaining_where = meter.where(d.search.final);
   d.constant_offsets = constant_offsets(meter, d.search.final, study);
-  d.verdict = verdict_of(d.search, d.search.train_rms, options.enough);
+  d.verdict = verdict_of(d.search, d.search.train_rms);
   d.holdout_disagrees = disagrees(d);
   // What is claimed of the training records and does not hold elsewhere is not explained.
-  if ((d.holdout_disagrees || is_far_above_white_floor(d)) && d.verdict == Verdict::explained)
-    d.verdict = Verdict::partly_explained;
+  if (d.holdout_disagrees && d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
   if (d.holdout_disagrees && d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
   auto posterior =
       posterior_of(d.search, d.verdict == Verdict::partly_explained || d.verdict == Verdict::unexplained);

@@ -29,8 +29,8 @@ enum class Verdict {
 std::string to_string(Verdict verdict);
 
 /// What a search's outcome amounts to. With a floor from periods, what is left counts as something missing
-/// when it is more than `enough` times the floor; in any case when signs of structure are left.
-Verdict verdict_of(const SearchResult& result, double train_rms, double enough);
+/// when it is more than kOverFloor times the floor; in any case when signs of structure are left.
+Verdict verdict_of(const SearchResult& result, double train_rms);
 
 /// A value that a term's fit found, and twice its standard deviation to both sides, the residual's colour
 /// counted.

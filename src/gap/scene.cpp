@@ -203,20 +203,10 @@ std::vector<std::size_t> Scene::static_places() const {
   return places;
 }
 
-std::vector<std::size_t> Scene::memory_places() const {
-  auto places = static_places();
-  std::erase_if(places, [&](std::size_t at) { return at > 0 && adds_constant(at - 1); });
-  return places;
-}
-
-bool Scene::adds_constant(std::size_t position) const {
-  const auto line = model->at(position).affine();
-  return line && line->constant != 0.0;
-}
-
 bool Scene::is_added(std::size_t position) const {
-  return !model->is_base(position) &&
-         (adds_constant(position) || model->at(position).type().name() == "drift");
+  if (model->is_base(position)) return false;
+  const auto line = model->at(position).affine();
+  return (line && line->constant != 0.0) || model->at(position).type().name() == "drift";
 }
 
 std::vector<double> Scene::beyond_band_hz(double times, int count) const {

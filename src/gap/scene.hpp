@@ -46,17 +46,13 @@ struct Scene {
   int threads = 1;              ///< for looks that take long
   std::function<bool()> late;   ///< true: the time for proposals is over; empty: it has no end
 
-  bool linear(std::size_t position) const;  ///< the block there is linear and time-invariant
-  bool adds_constant(std::size_t position) const;
+  bool linear(std::size_t position) const;    ///< the block there is linear and time-invariant
   bool is_added(std::size_t position) const;  ///< a term's constant or drift
   /// One boundary of each class of places that a linear effect cannot tell apart. What comes behind a constant or a
   /// drift that a term adds is taken in front of it: of them it makes the same, once the start is over.
   std::vector<std::size_t> linear_places() const;
   /// The same for a memoryless or rate-independent effect.
   std::vector<std::size_t> static_places() const;
-  /// The same for memory that starts at rest at 0: a constant is no rest, so what is behind one is taken in front
-  /// of it.
-  std::vector<std::size_t> memory_places() const;
   /// Behind all blocks but lines.
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <limits>
 
 #include "gap/drive_request.hpp"
 #include "gap/effect.hpp"
@@ -14,9 +13,8 @@ namespace bodesmith::gap {
 
 /// Starts of records that began in another state than rest [2].
 struct StartOptions {
-  double stands_out = 1.35;      ///< rms of the residual there over that of the rest
-  std::size_t min_samples = 12;  ///< shorter stretches say nothing
-  double max_part = 0.25;        ///< of the record; a longer start is explained by free responses instead
+  double stands_out = 1.35;  ///< rms of the residual there over that of the rest
+  double max_part = 0.25;    ///< of the record; a longer start is explained by free responses instead
   std::size_t percent_with_free_start = 3;  ///< of the record that is left out even then
   double max_cost = 1.03;  ///< of the rest's rms, at which a start that fits now is scored again
 };
@@ -26,7 +24,6 @@ struct StretchOptions {
   std::size_t samples = 8000;  ///< of all stretches together; one and a half times as many: long records
   std::size_t min_samples_each = 1500;
   std::size_t min_lead = 200;  ///< samples before each that are run but not scored
-  int iterations_on_all = 4;   ///< on the whole records, after the fit on stretches
   std::size_t leaders = 4;     ///< candidates of a round that are fitted on the whole records
 };
 
@@ -37,7 +34,6 @@ struct RoundOptions {
   /// Forms and places of an effect that are fitted beyond Effect::places_a_round in responses, where a fit is quick.
   int more_forms_of_response = 2;
   std::size_t successors = 5;     ///< effects that are fitted in the place of one
-  int first_iterations = 3;       ///< that each start of a candidate gets before the best ones go on
   std::size_t many_unknowns = 5;  ///< a term of so many is tried from one start, and may stand for two others
   double far_behind =
       3.0;  ///< times the leader's rms, once all have begun: such a fit stays where it is, and its evidence is not asked for
@@ -51,26 +47,24 @@ struct BoundOptions {
   double explained = 0.15;
   /// Share of the residual's energy that a proposal must promise to be fitted: half of what it must take in the end.
   double min_promise() const { return 0.5 * explained * explained; }
-  /// Of one term; few when there is one excitation only.
-  std::size_t max_unknowns = std::numeric_limits<std::size_t>::max();
 };
 
 /// Two effects that hide each other [5]: what each effect promises alongside each of a few first names.
 struct PairOptions {
-  std::size_t firsts = 8;
+  std::size_t firsts =
+      8;  ///< of responses the names and places alongside each of which all others are fitted
   std::size_t seconds = 4;  ///< alongside each
   std::size_t fits = 20;    ///< of the pairs that promise most
-  std::size_t best = 3;     ///< of them that are gone on from
-  // Of responses: first names alongside each of which all others are fitted, and sets of greatest evidence whose names are tried one by one.
-  std::size_t firsts_of_response = 12;
-  std::size_t close_looks = 6;
+  std::size_t best =
+      3;  ///< of them that are gone on from; of responses sets whose names are tried one by one
 };
 
 struct SearchOptions {
   int max_terms = 5;
-  double enough = 1.2;        ///< times the floor: explained, but for signs of more [3, 9]
   int iterations = 40;        ///< of a fit from afar,
-  int refit_iterations = 12;  ///< and of one that follows a move
+  int refit_iterations = 12;  ///< of one that follows a move,
+  int few_iterations =
+      3;  ///< of each start of a candidate before the best ones go on, and on whole records after stretches
   int threads = 2;
   std::function<void(double)> progress;  ///< fraction of the work, roughly
   std::function<bool()> stop;            ///< true: keep the best so far and return

@@ -11,7 +11,6 @@ std::string to_string(CandidateOutcome outcome) {
                                  "other place or form",
                                  "worse",
                                  "takes too little",
-                                 "too free without another excitation held out",
                                  "another effect's form, or less than the records can tell"};
   return kWords.at(static_cast<std::size_t>(outcome));
 }

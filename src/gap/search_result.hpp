@@ -20,7 +20,6 @@ enum class CandidateOutcome {
   other_place_or_form,  ///< of the effect that was named
   worse,
   takes_too_little,  ///< of the gap, or of what is left without it
-  too_free,          ///< for a study without another excitation held out
   no_name,
 };
 /// As in diagnosis.json and on the page; empty for not_judged.

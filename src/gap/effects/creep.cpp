@@ -34,9 +34,6 @@ constexpr double kSlowest = 3.0;
 /// The shortest one, of 1/top_hz: faster ones change nothing in the record.
 constexpr double kFastest = 0.03;
 
-/// Unknowns of the other forms: a bank of free relaxations has more.
-constexpr std::size_t kMostOfOneOrLogarithmic = 3;
-
 /// y = u + c sum over decades of relaxations, equally strong at every time constant between two: after a step
 /// c log10(t) (J. F. Curie's law; K. Kuhnen, 2003). In a response, where free relaxations are more than it tells, the
 /// strength and the fastest one are its only unknowns; or the slowest one too.
@@ -104,12 +101,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
   }
 }
 
-/// A fastest relaxation as strong as it may be is a lag alongside the others.
-bool is_no_name(const Model&, const Term& term, const Scene&) {
-  const auto& unknowns = term.unknowns;
-  return unknowns.size() > kMostOfOneOrLogarithmic && unknowns.front().value >= unknowns.front().high;
-}
-
 bool is_implausible(const Model& model, const Scene& scene) {
   return lies_in_driven_band(middle_of_relaxations(model.terms().back(), model), scene);
 }
@@ -118,6 +109,6 @@ bool is_implausible(const Model& model, const Scene& scene) {
 
 BODESMITH_EFFECT(creep, .what = "slow relaxation, logarithmic or of several time constants",
                  .experiment = "a long record after one step", .linear = true, .propose = propose,
-                 .is_no_name = is_no_name, .is_implausible = is_implausible)
+                 .is_implausible = is_implausible)
 
 }  // namespace bodesmith::gap

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -8,7 +7,6 @@
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/effects/plays.hpp"
-#include "gap/records/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -17,11 +15,9 @@ namespace {
 /// to this many samples only.
 constexpr std::size_t kMaxSamplesWithSharpness = 5000;
 
-/// A bank of plays (Prandtl-Ishlinskii), dense enough for any smooth loop; a few of them where one loop is all
-/// there is, whose exact shape (a lag's share in it) should not become memory.
+/// A bank of plays (Prandtl-Ishlinskii), dense enough for any smooth loop.
 Proposal plays(const Scene& scene, std::size_t at, double half) {
-  constexpr std::array kFewParts = {0.1, 0.2, 0.4, 0.7};
-  const auto bank = is_one_loop(scene, at) ? play_bank(kFewParts, half) : play_bank(half);
+  const auto bank = play_bank(half);
   auto block = chain::make_block("prandtl_ishlinskii");
   block.set("r", bank.radius).set("w", bank.weight);
   return insert_block(scene, at, block, bank.unknowns, {bank.start});
@@ -71,11 +67,11 @@ Proposal bouc_wen(const Scene& scene, std::size_t at, double half, bool sharpnes
 }
 
 void propose(const Scene& scene, std::vector<Proposal>& out) {
-  for (std::size_t at : scene.memory_places()) {
+  for (std::size_t at : scene.static_places()) {
     const double half = 0.5 * scene.boundary[at].span();
     if (!(half > 0.0)) continue;
     out.push_back(plays(scene, at, half));
-    if (!is_one_loop(scene, at)) out.push_back(two_plays(scene, at, half));
+    out.push_back(two_plays(scene, at, half));
     out.push_back(bouc_wen(scene, at, half, false));
     if (scene.residual.size() <= kMaxSamplesWithSharpness) out.push_back(bouc_wen(scene, at, half, true));
   }

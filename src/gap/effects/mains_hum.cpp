@@ -15,17 +15,15 @@ namespace {
 /// The grid keeps to its nominal frequency within this part.
 constexpr double kTolerance = 0.005;
 constexpr int kHarmonics = 7;
-/// Fewer cycles in the record, as sampled, are a drift or an offset to it.
+/// Fewer cycles in the record, as sampled, are a drift or an offset to it, and lines nearer to each other one line.
 constexpr double kMinCycles = 2.0;
 /// Frequencies that are looked at, in one of the record's resolution.
 constexpr std::size_t kFiner = 5;
 /// A line's power over the mean of those up to so many resolutions around it: of noise, one frequency in e^10 reaches that.
 constexpr double kStandsOut = 10.0;
 constexpr std::size_t kAround = 10;
-/// Lines of a harmonic's neighbourhood that are proposed, and how far apart they are (resolutions).
+/// Lines that are proposed.
 constexpr std::size_t kProposed = 2;
-constexpr double kApart = 1.5;
-constexpr double kDoubtAHarmonic = 0.03;
 
 /// Where a frequency comes to lie when sampled.
 double alias_of(double hz, double rate_hz) {
@@ -36,10 +34,6 @@ struct Line {
   double nominal_hz = 0.0;
   double hz = 0.0;
   double amplitude = 0.0;
-  int harmonic = 1;
-
-  /// Of harmonics that sampling folds to one place the lower one is likelier.
-  double rank() const { return amplitude * (1.0 - kDoubtAHarmonic * harmonic); }
 };
 
 /// The residual's spectrum, fine enough for lines between the record's own frequencies.
@@ -52,13 +46,13 @@ class FineSpectrum {
     for (const auto& value : half_spectrum(padded)) amplitude_.push_back(std::abs(value));
   }
   /// The largest line within the grid's tolerance of a nominal frequency, where it stands out.
-  std::optional<Line> largest_near(double nominal_hz, int harmonic) const {
-    Line best{nominal_hz, nominal_hz, -1.0, harmonic};
+  std::optional<Line> largest_near(double nominal_hz) const {
+    Line best{nominal_hz, nominal_hz, -1.0};
     const int count = whole_number<int>(std::floor(kTolerance * nominal_hz / bin_hz_));
     for (int k = -count; k <= count; ++k) {
       const double hz = nominal_hz + bin_hz_ * k;
       const double amplitude = amplitude_[bin_of(hz)];
-      if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude, harmonic};
+      if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude};
     }
     const std::size_t bin = bin_of(best.hz);
     const double level = std::max(level_over(bin, -1), level_over(bin, 1));
@@ -112,22 +106,23 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
   std::vector<Line> lines;
   const double rate = 1.0 / scene.step_s;
   const FineSpectrum spectrum(scene);
-  for (double mains : {50.0, 60.0}) {
-    for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
+  for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
+    for (double mains : {50.0, 60.0}) {
       const double hz = mains * harmonic;
       const double seen = alias_of(hz, rate);
       if (seen * scene.duration_s < kMinCycles || (0.5 * rate - seen) * scene.duration_s < kMinCycles)
         continue;
-      if (auto line = spectrum.largest_near(hz, harmonic)) lines.push_back(*line);
+      if (auto line = spectrum.largest_near(hz)) lines.push_back(*line);
     }
   }
+  // Of harmonics that sampling folds to one place the lower one is likelier.
   std::stable_sort(lines.begin(), lines.end(),
-                   [](const Line& a, const Line& b) { return a.rank() > b.rank(); });
+                   [](const Line& a, const Line& b) { return a.amplitude > b.amplitude; });
   std::vector<Line> proposed;
   for (const auto& line : lines) {
     if (proposed.size() >= kProposed) break;
     const bool seen = std::any_of(proposed.begin(), proposed.end(), [&](const Line& other) {
-      return std::abs(alias_of(other.hz, rate) - alias_of(line.hz, rate)) * scene.duration_s < kApart;
+      return std::abs(alias_of(other.hz, rate) - alias_of(line.hz, rate)) * scene.duration_s < kMinCycles;
     });
     if (!seen) proposed.push_back(line);
   }

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,12 +16,6 @@ constexpr double kMaxParallelDamping = 0.3;
 /// Shares beyond: the zero lies so far above the pole that the mode is one in series.
 constexpr double kMaxShare = 100.0;
 constexpr double kTypicalShare = 0.3;
-/// Two modes of opposite sign whose frequencies are nearer than this many half-widths are the shape of something else.
-constexpr double kHalfWidthsApart = 1.0;
-
-/// Share beyond which the zero must lie within the band.
-constexpr double kStrong = 4.0;
-
 const char* const kShares = "gains";
 const char* const kModeFrequencies = "natural_frequencies_hz";
 const char* const kModeDampings = "damping_ratios";
@@ -67,31 +60,6 @@ struct ModePlace {
     b.set(key, values);
   }
 };
-
-bool cancel(const Term& a, const Term& b) {
-  const auto& p = a.unknowns;
-  const auto& q = b.unknowns;
-  const double widths = p[0].value * p[1].value + q[0].value * q[1].value;
-  return p[2].value * q[2].value < 0.0 && std::abs(p[0].value - q[0].value) < kHalfWidthsApart * widths;
-}
-
-/// A mode so strong compared with what else there is at its frequency, that nothing of that is seen within the band: a mode in
-/// series, with more freedom.
-bool hides_the_path(const Model& model, const std::vector<const Term*>& modes, std::size_t at,
-                    double top_hz) {
-  const auto& own = modes[at]->unknowns;
-  const auto& block = model.at(model.position_of(modes[at]->blocks.front()));
-  if (block.get("resonator_hz") > 0.0) return false;
-  std::complex<double> path = 1.0;
-  for (std::size_t k = 0; k < modes.size(); ++k) {
-    if (k == at) continue;
-    const auto& other = modes[k]->unknowns;
-    const double r = own[0].value / other[0].value;
-    path += other[2].value / std::complex<double>(1.0 - r * r, 2.0 * other[1].value * r);
-  }
-  const double share = std::abs(own[2].value) / std::abs(path);
-  return share > kStrong && own[0].value * std::sqrt(1.0 + share) > top_hz;
-}
 
 /// Of a time record: where the residual has its peaks, of either sign.
 Starts starts_at_peaks(const Scene& scene) {
@@ -138,20 +106,9 @@ void add_proposal(const Scene& scene, Model model, int block, std::optional<int>
   out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
 }
 
-bool is_no_name(const Model& model, const Term& last, const Scene& scene) {
-  const double hz = last.unknowns[0].value;
-  if (hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz)) return true;
-  std::vector<const Term*> modes;
-  for (const Term& term : model.terms()) {
-    if (term.effect == last.effect) modes.push_back(&term);
-  }
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    if (hides_the_path(model, modes, i, scene.top_hz)) return true;
-    for (std::size_t k = 0; k < i; ++k) {
-      if (cancel(*modes[i], *modes[k])) return true;
-    }
-  }
-  return false;
+bool is_no_name(const Model&, const Term& term, const Scene& scene) {
+  const double hz = term.unknowns[0].value;
+  return hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz);
 }
 
 void add_block(const Scene& scene, std::size_t at, std::optional<int> resonator, const std::string& placed,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "gap/proposal.hpp"
@@ -18,7 +17,5 @@ struct PlayBank {
 /// Dense enough for any smooth loop. Symmetric and asymmetric memory have the same one: which of them is named must not
 /// hang on whose radii happen to lie nearer to the truth.
 PlayBank play_bank(double half_range);
-/// Radii as parts of half the signal's range.
-PlayBank play_bank(std::span<const double> parts, double half_range);
 
 }  // namespace bodesmith::gap

@@ -12,23 +12,15 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Clocks kept at each length of the look, and new ones on either side of each in the next.
+/// Clocks kept at each length of the look.
 constexpr std::size_t kKept = 8;
+/// Clocks of the first look in one cycle over its length, and new ones on either side of each in the next.
 constexpr int kFiner = 4;
-/// Clocks nearer to each other than this over the length of the look are of one peak.
-constexpr double kOnePeak = 0.7;
-/// Samples of the first look, and of the last one.
+/// Samples of the first look.
 constexpr std::size_t kFirstLook = 1200;
-constexpr std::size_t kLastLook = 16000;
 /// The fastest clock that is looked for, in samplings: a hold faster than the record leaves images that sampling
 /// folds down.
 constexpr double kFastestClock = 1.6;
-/// Clocks of the first look in one cycle over its length.
-constexpr double kClocksPerCycle = 3.0;
-/// A lag of whole samples must leave less than this of the mean square, one below a sample must explain that
-/// share.
-constexpr double kMaxLeftByLag = 0.96;
-constexpr double kMinSlopeShare = 0.02;
 
 /// A figure of merit and the clock it belongs to, Hz.
 using ScoredClock = std::pair<double, double>;
@@ -98,17 +90,17 @@ Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const st
   const auto likeness = [&](double f, std::size_t n) {
     return likeness_to_stairs(signal, residual, half, with_lag, f * h, n / 10, n);
   };
-  const std::size_t last = std::min(residual.size(), kLastLook);
+  const std::size_t last = residual.size();
   std::size_t length = std::min(last, kFirstLook);
   const double low_hz =
       with_lag ? 0.5 * guess_hz : std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h));
   const double high_hz = with_lag ? 2.2 * guess_hz : kFastestClock / h;
-  double spacing = 1.0 / (kClocksPerCycle * static_cast<double>(length) * h);
+  double spacing = 1.0 / (kFiner * static_cast<double>(length) * h);
   std::vector<ScoredClock> scored;
   for (double f = low_hz; f < high_hz; f += spacing) scored.emplace_back(likeness(f, length), f);
   for (bool finely = false; !scene.is_late(); finely = true) {
     std::sort(scored.rbegin(), scored.rend());
-    keep_best(scored, kOnePeak / (static_cast<double>(length) * h));
+    keep_best(scored, 1.0 / (static_cast<double>(length) * h));
     if (finely && length == last) return starts_of(scored);
     length = std::min(last, 2 * length);
     std::vector<ScoredClock> finer;
@@ -140,22 +132,19 @@ double lag_by_slope_s(const Scene& scene) {
   const auto& y = scene.boundary.back().values;
   double rs = 0.0;
   double ss = 0.0;
-  double rr = 0.0;
   for (std::size_t i = 1; i + 1 < y.size(); ++i) {
     const double slope = (y[i + 1] - y[i - 1]) / (2.0 * scene.step_s);
     rs -= scene.residual[i] * slope;
     ss += slope * slope;
-    rr += scene.residual[i] * scene.residual[i];
   }
-  return ss > 0.0 && rs > 0.0 && rs * rs > kMinSlopeShare * ss * rr ? rs / ss : 0.0;
+  return ss > 0.0 ? std::max(0.0, rs / ss) : 0.0;
 }
 
 }  // namespace
 
 double mean_lag_s(const Scene& scene) {
-  const double none = distance_at_lag(scene, 0);
   std::size_t best = 0;
-  double min_distance = none;
+  double min_distance = distance_at_lag(scene, 0);
   const auto cycle = whole_number<std::size_t>(1.0 / (scene.band_hz * scene.step_s)) + 2;
   const auto max_lag = std::min(scene.residual.size() / 8, cycle);
   for (std::size_t lag = 1; lag <= max_lag; ++lag) {
@@ -165,8 +154,7 @@ double mean_lag_s(const Scene& scene) {
       best = lag;
     }
   }
-  if (best < 2) return lag_by_slope_s(scene);
-  return min_distance < kMaxLeftByLag * none ? static_cast<double>(best) * scene.step_s : 0.0;
+  return best < 2 ? lag_by_slope_s(scene) : static_cast<double>(best) * scene.step_s;
 }
 
 Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz) {

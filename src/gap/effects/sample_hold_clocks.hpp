@@ -11,7 +11,7 @@
 /// a coarse comb of clocks will do; most refine the best ones as the look grows longer.
 namespace bodesmith::gap {
 
-/// Delay that would explain most of the residual, in seconds; 0 when that is next to nothing.
+/// Delay that would explain most of the residual, in seconds; 0 when none does.
 double mean_lag_s(const Scene& scene);
 
 /// Clocks of a hold at `at`, the residual likened to what it leaves. `guess_hz` above 0: to its stairs and lag, of clocks around that;

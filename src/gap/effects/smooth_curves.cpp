@@ -3,7 +3,6 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/records/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -16,7 +15,6 @@ auto smooth_curve(int power) {
     auto block = chain::make_block("polynomial");
     block.set("coefficients", coefficients);
     for (std::size_t at : scene.static_places()) {
-      if (memory_may_bend(scene, at)) continue;
       const double scale = 0.1 / std::pow(scene.boundary[at].size(), power - 1);
       const std::string name = "coefficients[" + std::to_string(power) + "]";
       out.push_back(insert_block(scene, at, block, {linear_unknown(name, -20.0 * scale, 20.0 * scale, scale)},

@@ -7,7 +7,7 @@ namespace bodesmith::gap {
 
 bool is_name(const Ranked& r) {
   return std::isfinite(r.log_evidence) && r.outcome != CandidateOutcome::no_name &&
-         r.outcome != CandidateOutcome::too_free && r.outcome != CandidateOutcome::takes_too_little;
+         r.outcome != CandidateOutcome::takes_too_little;
 }
 
 std::map<std::string, double> names_of_step(const Step& step) {

@@ -20,6 +20,9 @@ struct NoiseFloor {
   double even_rms = 0.0;
 };
 
+/// What is left is more than noise from so many floors on: coherence does not see an instrument's own errors, nor leakage.
+constexpr double kOverFloor = 1.5;
+
 /// "periods", "high_frequency" or "unknown", as in diagnosis.json.
 std::string to_string(NoiseFloor::Source source);
 

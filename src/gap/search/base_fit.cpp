@@ -8,9 +8,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Rounds in which free responses and the model that makes them come to agree.
-constexpr int kFreeResponseRounds = 3;
-
 /// The model as given when it cannot be run.
 Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
   auto fitted = fit_in_turn(setting, records, setting.initial, setting.options.iterations);
@@ -26,10 +23,8 @@ BaseFit fit_base(const SearchSetting& setting, SearchRecords records) {
   if (wrong.found) {
     // Free responses of a model that is off are of no use: first without the starts, then with them.
     model = refit_base(setting, leave_out_whole_starts(records));
-    for (int round = 0; round < kFreeResponseRounds; ++round) {
-      records = renew_free_responses(setting, std::move(records), model);
-      model = fit_in_turn(setting, records, std::move(model)).model;
-    }
+    records = renew_free_responses(setting, std::move(records), model);
+    model = fit_in_turn(setting, records, std::move(model)).model;
   }
   follow_what_is_left(records.stretches, records.train, model, setting.options.stretches);
   return {std::move(model), std::move(records)};

@@ -26,12 +26,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Moves in a row that put one name in another's place, or take one out.
-constexpr int kMaxTurns = 4;
-
-/// A set of the same names that has less evidence more than this than before is not gone on from again.
-constexpr double kAnew = 1.0;
-
 std::string names_in_words(const Model& model) {
   const auto names = names_of(model);
   return join({names.begin(), names.end()}, " and ");
@@ -55,7 +49,7 @@ class GoneOnFrom {
     const auto [found, is_new] = evidence_.emplace(
         std::tuple(move, names_of(set.model), scored_samples(records.train)), set.log_evidence);
     if (is_new) return false;
-    if (set.log_evidence < found->second + kAnew) return true;
+    if (!(set.log_evidence > found->second)) return true;
     found->second = set.log_evidence;
     return false;
   }
@@ -193,10 +187,10 @@ PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, P
   std::multiset<std::string> names;
   const std::size_t count = count_of(set);
   set = dropped(setting, records, std::move(set));
-  for (int turn = 0; turn < kMaxTurns && count_of(set) > 1; ++turn) {
+  for (bool first = true; count_of(set) > 1; first = false) {
     const auto before = std::exchange(names, names_of(set.model));
     if (names != before && gone_on_from.again(GoneOnFrom::Move::another, set, records)) break;
-    const bool fresh = turn == 0 && count_of(set) == count && set.rivals.back().ranking.size() > 1;
+    const bool fresh = first && count_of(set) == count && set.rivals.back().ranking.size() > 1;
     auto other = exchanged(setting, records, set, fresh, tried);
     if (!other) break;
     set = dropped(setting, records, std::move(*other));
@@ -216,7 +210,7 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
   if (best != nullptr && best->log_evidence > set.log_evidence)
     more = with_candidate(set, *best, round.ranking);
   if (are_responses(beam.records.train) && !options.is_late() &&
-      is_something_left(options, more ? more->model : set.model, beam.records)) {
+      is_something_left(more ? more->model : set.model, beam.records)) {
     const double to_beat = more ? best->log_evidence : set.log_evidence;
     auto sets = sets_of_several(setting, beam.records, set.model, round.ranking);
     for (auto& several : sets) {
@@ -303,7 +297,7 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam, GoneO
     // By the records of the one that stands.
     const double evidence = log_evidence(other.best.model, beam.records.train);
     if (!(evidence > beam.best.log_evidence)) continue;
-    const bool left = is_something_left(options, other.best.model, other.records);
+    const bool left = is_something_left(other.best.model, other.records);
     other.best.notes.push_back(names_in_words(other.best.model) +
                                ", looked for together, came further than one name after the other");
     other.first = std::move(beam.first);
@@ -329,7 +323,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   grow(setting, beam, true, gone_on_from);
   if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
   if (are_responses(beam.records.train) || options.max_terms < 2 || options.is_late()) return;
-  const bool left = is_something_left(options, beam.best.model, beam.records);
+  const bool left = is_something_left(beam.best.model, beam.records);
   if (!left && !could_be_fewer(options, beam.best.model)) return;
   Beam base;
   base.records = std::move(base_records);

@@ -60,7 +60,7 @@ std::vector<Model> starting_models(const SearchSetting& setting, const Promising
 /// A few steps from everywhere: the best.
 std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchRecords& records,
                                      const Promising& p) {
-  const auto options = fit_options(setting.options, setting.options.round.first_iterations);
+  const auto options = fit_options(setting.options, setting.options.few_iterations);
   std::optional<FittedModel> best;
   for (auto& start : starting_models(setting, p)) {
     if (setting.options.is_late() && best) break;

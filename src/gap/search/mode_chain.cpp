@@ -73,12 +73,7 @@ void extend_from(const SearchSetting& setting, const SearchRecords& records, con
 std::vector<std::vector<Ranked>> mode_chains(const SearchSetting& setting, const SearchRecords& records,
                                              const Model& before) {
   std::vector<std::vector<Ranked>> chains;
-  for (const auto& kind : kKinds) {
-    extend_from(setting, records, kind, before, chains);
-    // Free parameters that went astray after what is missing: once from where they were given.
-    if (before.terms().empty() && before.free_count() > 0)
-      extend_from(setting, records, kind, setting.initial, chains);
-  }
+  for (const auto& kind : kKinds) extend_from(setting, records, kind, before, chains);
   return chains;
 }
 

@@ -120,9 +120,7 @@ const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records
   std::map<const Effect*, const Ranked*> best;
   for (auto& r : ranking) {
     if (!std::isfinite(r.log_evidence) || r.outcome == CandidateOutcome::no_name) continue;
-    if (r.model.terms().back().unknowns.size() > setting.options.bounds.max_unknowns) {
-      r.outcome = CandidateOutcome::too_free;
-    } else if (!matters(setting, records, without, r.train_rms)) {
+    if (!matters(setting, records, without, r.train_rms)) {
       r.outcome = CandidateOutcome::takes_too_little;
     } else {
       // Greatest evidence first.
@@ -189,7 +187,7 @@ std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, c
   std::stable_sort(firsts.begin(), firsts.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
   for (const auto& one : firsts) {
-    if (options.is_late() || tried.size() >= options.pairs.firsts_of_response) break;
+    if (options.is_late() || tried.size() >= options.pairs.firsts) break;
     if (tried.emplace(one.effect, one.placed).second) add_pairs(one);
   }
   for (auto& chain : mode_chains(setting, records, before)) {
@@ -211,7 +209,7 @@ std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, c
   std::stable_sort(sets.begin(), sets.end(), [](const auto& a, const auto& b) {
     return a.back().log_evidence > b.back().log_evidence;
   });
-  if (sets.size() > options.pairs.close_looks) sets.resize(options.pairs.close_looks);
+  if (sets.size() > options.pairs.best) sets.resize(options.pairs.best);
   return sets;
 }
 

@@ -31,11 +31,7 @@ bool stands_out_at_start(const StartOptions& options, const Model& model, const 
   const auto all = residuals_of(model, {whole});
   const std::span residual = all;
   if (residual.size() <= start) return false;
-  const double rest = rms(residual.subspan(start));
-  for (std::size_t length : {start / 4, start / 2, start}) {
-    if (length >= options.min_samples && rms(residual.first(length)) > options.stands_out * rest) return true;
-  }
-  return false;
+  return rms(residual.first(start)) > options.stands_out * rms(residual.subspan(start));
 }
 
 void leave_out(const StartOptions& options, const Model& model, TimeExperiment& record) {

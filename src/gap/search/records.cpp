@@ -67,7 +67,7 @@ FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& recor
   if (!records.are_long()) return fit(std::move(model), records.train, fit_options(options, iterations));
   auto rough = fit(std::move(model), records.stretches, fit_options(options, iterations));
   return fit(std::move(rough.model), records.train,
-             fit_options(options, std::min(iterations, options.stretches.iterations_on_all)));
+             fit_options(options, std::min(iterations, options.few_iterations)));
 }
 
 }  // namespace bodesmith::gap

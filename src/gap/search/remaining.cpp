@@ -93,10 +93,9 @@ std::vector<Sign> signs_left(const Model& model, const SearchRecords& records) {
   return signs_of_structure(all, all);
 }
 
-bool is_something_left(const SearchOptions& options, const Model& model, const SearchRecords& records) {
+bool is_something_left(const Model& model, const SearchRecords& records) {
   const auto floor = floor_under(model, records);
-  if (floor.source == NoiseFloor::Source::periods &&
-      rms_of(model, records.train) > options.enough * floor.rms)
+  if (floor.source == NoiseFloor::Source::periods && rms_of(model, records.train) > kOverFloor * floor.rms)
     return true;
   return !signs_left(model, records).empty();
 }

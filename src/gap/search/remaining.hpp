@@ -15,6 +15,6 @@ NoiseFloor floor_under(const Model& model, const SearchRecords& records);
 std::vector<Sign> signs_left(const Model& model, const SearchRecords& records);
 
 /// Something is missing yet: plainly more than the floor is left, or a sign of more.
-bool is_something_left(const SearchOptions& options, const Model& model, const SearchRecords& records);
+bool is_something_left(const Model& model, const SearchRecords& records);
 
 }  // namespace bodesmith::gap

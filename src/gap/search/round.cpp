@@ -111,8 +111,7 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
   const std::size_t leaders = std::min(options.stretches.leaders, ranking.size());
   parallel_for(leaders, options.threads, [&](std::size_t i) {
     if (options.is_late()) return;
-    auto fitted =
-        fit(ranking[i].model, records.train, fit_options(options, options.stretches.iterations_on_all));
+    auto fitted = fit(ranking[i].model, records.train, fit_options(options, options.few_iterations));
     if (!fitted.usable()) return;
     ranking[i].model = std::move(fitted.model);
     ranking[i].train_rms = rms_of(ranking[i].model, records.train);

@@ -13,14 +13,10 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Another stretch is taken when it is this much livelier.
-constexpr double kLivelier = 1.02;
 /// It is moved to where this much more is left (mean square).
 constexpr double kFarMore = 2.0;
 /// A stretch's model does what it does in the whole record: parts of what it leaves.
 constexpr double kSettled = 0.05;
-/// At an extreme: within this part of the input's range.
-constexpr double kAtExtreme = 0.02;
 
 /// Samples begin … end - 1 of a record.
 struct Part {
@@ -52,7 +48,7 @@ Part liveliest(std::span<const double> signal, std::size_t lead, std::size_t sam
   double most = -1.0;
   for (std::size_t from = 0; from + lead + samples <= end; from += std::max<std::size_t>(1, samples / 8)) {
     const double e = energy[from + lead + samples] - energy[from + lead];
-    if (e > kLivelier * most) {
+    if (e > most) {
       most = e;
       best = from;
     }
@@ -100,32 +96,13 @@ bool is_settled_in(const TimeExperiment& stretch, const Placed& at, const TimeRe
   return difference <= kSettled * kSettled * left;
 }
 
-/// The last sample before `before` from which the input has seen both extremes of all before.
-std::size_t behind_both_extremes(std::span<const double> u, std::size_t before) {
-  const auto seen = u.first(before);
-  const auto [low, high] = std::minmax_element(seen.begin(), seen.end());
-  const double near = kAtExtreme * (*high - *low);
-  std::size_t last_low = 0;
-  std::size_t last_high = 0;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen[i] <= *low + near) last_low = i;
-    if (seen[i] >= *high - near) last_high = i;
-  }
-  return std::min(last_low, last_high);
-}
-
 /// A longer lead where the model needs one; `output`: its own, of the whole record.
 void lengthen_lead(TimeExperiment& stretch, const TimeExperiment& whole, const std::vector<double>& output,
                    const Model& model) {
   const TimeRecord& record = whole.record();
   const Placed at = place_of(stretch, record);
   if (at.part.begin == 0 || is_settled_in(stretch, at, record, output, model)) return;
-  for (const std::size_t begin : {behind_both_extremes(record.u, at.scored_from), std::size_t{0}}) {
-    if (begin >= at.part.begin) continue;
-    const Placed longer{{begin, at.part.end}, at.scored_from};
-    stretch = stretch_of(record, longer.part, at.scored_from - begin);
-    if (is_settled_in(stretch, longer, record, output, model)) break;
-  }
+  stretch = stretch_of(record, {0, at.part.end}, at.scored_from);
 }
 
 /// To where the model leaves far more than in the stretch.

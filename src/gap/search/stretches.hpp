@@ -10,9 +10,7 @@ namespace bodesmith::gap {
 /// records are not long.
 Experiments stretches_of(const Experiments& train, const StretchOptions& options);
 
-/// Longer leads where the model, which starts a stretch at rest, does not come to what it does in the whole record: from the last
-/// time at which the input stood at the extremes of all before (memory that obeys wiping-out, as that of plays and relays does,
-/// then holds nothing older: Mayergoyz 1991, property 1), else from the record's start.
+/// Leads from the record's start where the model, which starts a stretch at rest, does not come to what it does in the whole record.
 void lengthen_leads(Experiments& stretches, const Experiments& train, const Model& model);
 
 /// The same, once stretches behind which far less is left than elsewhere in their record have moved there: what acts where the

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "gap/evidence/noise_floor.hpp"
 #include "gap/signs/signs.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/red_noise.hpp"
@@ -16,34 +17,12 @@ namespace {
 /// where the noise is white. Of coloured noise x_i = a x_(i-1) + w_i they differ by 1.9 with a = 0.3 and by more with a
 /// larger a.
 constexpr double kFlat = 1.5;
-/// Root mean square over the floor's.
-constexpr double kOverFloor = 1.5;
 /// Deviations beyond those of noise that forgets itself over the floor: what a missing effect leaves keeps to the drive's band.
 constexpr double kNoSlowNoise = 5.5;
 
 /// The mean of exponentially distributed numbers by their median: lines do not count.
 double density(std::span<const double> power) {
   return median({power.begin(), power.end()}) / std::log(2.0);
-}
-
-/// A converter's white floor says nothing of the noise in front of it, when it is more than this part of the floor.
-constexpr double kMaxOfConverter = 0.3;
-/// Values closer than this part of their range are the same.
-constexpr double kSameValue = 1e-9;
-
-/// Mean square of what rounding to a converter's step adds: that of the smallest difference between values.
-double rounding_noise(const Leftover& record) {
-  std::vector<double> measured(record.residual);
-  for (std::size_t i = 0; i < measured.size() && i < record.output.size(); ++i)
-    measured[i] += record.output[i];
-  std::sort(measured.begin(), measured.end());
-  const double range = measured.back() - measured.front();
-  double step = range;
-  for (std::size_t i = 1; i < measured.size(); ++i) {
-    const double d = measured[i] - measured[i - 1];
-    if (d > kSameValue * range) step = std::min(step, d);
-  }
-  return step * step / 12.0;
 }
 
 }  // namespace
@@ -59,7 +38,6 @@ Sign above_white_floor(const Leftover& record) {
   const auto [least, most] = std::minmax({low, middle, high});
   if (!(least > 0.0) || most > kFlat * least) return sign;
   const double floor = density(all.subspan(quarter)) * static_cast<double>(all.size());
-  if (rounding_noise(record) > kMaxOfConverter * floor) return sign;
   const double total = std::accumulate(all.begin(), all.end(), 0.0);
   sign.strength =
       std::min(std::sqrt(total / floor) / kOverFloor, deviations_from_slow_noise(all) / kNoSlowNoise);

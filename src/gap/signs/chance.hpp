@@ -9,8 +9,7 @@
 
 namespace bodesmith::gap {
 
-/// A sign is more than surrogates' largest figure times this, and than so many deviations above their mean.
-inline constexpr double kTimesLargest = 1.5;
+/// A sign is more than so many deviations above the mean of surrogates' figures.
 inline constexpr double kDeviations = 7.0;
 
 /// Of the energy, what a sign must hold: less is no matter, however sure.
@@ -26,7 +25,7 @@ class Chance {
     ++count_;
   }
   /// Beyond what chance does: a false sign costs more than a missed one, and a record is looked at in a dozen ways.
-  double limit() const { return std::max(kTimesLargest * max_, mean() + kDeviations * deviation()); }
+  double limit() const { return mean() + kDeviations * deviation(); }
   double max() const { return max_; }
   double mean() const { return sum_ / count_; }
   double deviation() const { return std::sqrt(std::max(0.0, sum_of_squares_ / count_ - mean() * mean())); }

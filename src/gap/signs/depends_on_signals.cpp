@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "gap/signs/chance.hpp"
@@ -14,8 +12,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Curves of any form must be so much plainer: they follow slow noise where a drive dwells at few levels.
-constexpr double kPlainCurve = 2.5;
 /// The ridge of the weights: grows with the residual's memory, as fewer effective samples carry fewer
 /// features.
 constexpr double kRidgePerSample = 0.3;
@@ -29,11 +25,10 @@ Eigen::VectorXd zero_mean(const std::vector<double>& v) {
 /// Share of one residual's energy that weights learned on the other explain.
 class Prediction {
  public:
-  using Features = Eigen::MatrixXd (*)(const Leftover&, const SignalScales&);
-  Prediction(Features features, const Leftover& learn, const Leftover& apply) {
+  Prediction(const Leftover& learn, const Leftover& apply) {
     const auto scales = signal_scales(learn, apply);
-    x_ = features(learn, scales);
-    z_ = features(apply, scales);
+    x_ = signal_features(learn, scales);
+    z_ = signal_features(apply, scales);
     for (Eigen::Index j = 0; j < x_.cols(); ++j) {
       const double size = std::max(x_.col(j).norm() / std::sqrt(static_cast<double>(x_.rows())), 1e-12);
       x_.col(j) /= size;
@@ -66,20 +61,11 @@ Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
   // A line over a part says nothing of the other, and would hide what does.
   const auto learned = less_straight_line(learn.residual);
   const auto applied = less_straight_line(apply.residual);
-  std::vector<std::pair<std::vector<double>, std::vector<double>>> surrogates;
+  const Prediction prediction(learn, apply);
+  Chance chance;
   for (std::uint64_t k = 0; k < kSurrogates; ++k)
-    surrogates.emplace_back(phase_surrogate(learned, 1000 + k), phase_surrogate(applied, 2000 + k));
-  // Apart, as many features together foretell less of each other's.
-  constexpr std::array kLooks = {std::pair{&signal_features, 1.0}, std::pair{&curve_features, kPlainCurve}};
-  for (const auto& [features, plainer] : kLooks) {
-    const Prediction prediction(features, learn, apply);
-    const double got = prediction.share(learned, applied);
-    Chance chance;
-    for (const auto& [of_learned, of_applied] : surrogates)
-      chance.add(prediction.share(of_learned, of_applied));
-    const double limit = std::max(kLeastShare, chance.limit());
-    sign.strength = std::max(sign.strength, got / (plainer * limit));
-  }
+    chance.add(prediction.share(phase_surrogate(learned, 1000 + k), phase_surrogate(applied, 2000 + k)));
+  sign.strength = prediction.share(learned, applied) / std::max(kLeastShare, chance.limit());
   return sign;
 }
 

@@ -93,18 +93,6 @@ void add_memory_features(const Column& u, std::vector<Column>& columns) {
   }
 }
 
-/// A hat of height 1 about each knot over the scaled range of a signal.
-void add_hats(const Column& signal, std::vector<Column>& columns) {
-  constexpr int kKnots = 13;
-  constexpr double kApart = 2.0 / (kKnots - 1);
-  for (int k = 0; k < kKnots; ++k) {
-    const double knot = -1.0 + kApart * k;
-    Column& c = columns.emplace_back(signal.size());
-    for (std::size_t i = 0; i < c.size(); ++i)
-      c[i] = std::max(0.0, 1.0 - std::abs(signal[i] - knot) / kApart);
-  }
-}
-
 Eigen::MatrixXd of_zero_mean(const std::vector<Column>& columns) {
   Eigen::MatrixXd x(eigen_index(columns.front().size()), eigen_index(columns.size()));
   for (Eigen::Index k = 0; k < x.cols(); ++k) {
@@ -146,14 +134,6 @@ Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scal
   const auto signals = scaled(record, scales);
   auto columns = memoryless_features(signals);
   add_memory_features(signals.u, columns);
-  return of_zero_mean(columns);
-}
-
-Eigen::MatrixXd curve_features(const Leftover& record, const SignalScales& scales) {
-  const auto signals = scaled(record, scales);
-  std::vector<Column> columns;
-  add_hats(signals.y, columns);
-  add_hats(signals.u, columns);
   return of_zero_mean(columns);
 }
 

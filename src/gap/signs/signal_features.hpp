@@ -21,8 +21,4 @@ SignalScales signal_scales(const Leftover& a, const Leftover& b);
 /// averages.
 Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scales);
 
-/// Any static curve of the output and any of the input, as straight pieces between knots: samples by hats, each column of zero
-/// mean.
-Eigen::MatrixXd curve_features(const Leftover& record, const SignalScales& scales);
-
 }  // namespace bodesmith::gap

@@ -374,15 +374,6 @@ TEST(Effects, RelaxationsAreNamedByWhereTheyLie) {
   EXPECT_TRUE(rate(0.19, -0.1));
   EXPECT_FALSE(rate(0.21, -0.1));
   EXPECT_FALSE(rate(0.19, 0.1));
-  // A bank whose fastest relaxation is as strong as it may be is a lag.
-  std::vector<double> gains(8, 0.02);
-  EXPECT_FALSE(Judged("creep", false, gains).no_name());
-  gains[0] = 1.0;
-  EXPECT_TRUE(Judged("creep", false, gains).no_name());
-  gains[0] = 0.02;
-  gains[7] = 1.0;
-  EXPECT_FALSE(Judged("creep", false, gains).no_name());
-  EXPECT_FALSE(Judged("creep", false, {1.0, 0.1}).no_name());
 }
 
 // Branches that differ by less than what a name must explain, of their common bend, are a curve.

@@ -54,25 +54,6 @@ TEST(Relaxation, OfManyTimeConstantsIsCreep) {
   EXPECT_EQ(names_of_relaxed({hidden::creep(gains, times)}), std::vector<std::string>{"creep"});
 }
 
-TEST(Relaxation, OfABankAsStrongAsItMayBeAtItsFastestIsALag) {
-  const gap::Model base(model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n"));
-  const gap::Experiments train = {gap::TimeExperiment(relaxed_record({}, hidden::Drive::noise, 3))};
-  const auto scene = gap::make_scene(base, train);
-  const gap::Effect& creep = gap::effect_registry().get("creep");
-  std::vector<gap::Proposal> proposals;
-  creep.propose(scene, proposals);
-  ASSERT_GE(proposals.size(), 3U);
-  for (auto& p : proposals) {
-    EXPECT_FALSE(creep.is_no_name(p.model, p.model.terms().back(), scene));
-    const auto& unknowns = p.model.terms().back().unknowns;
-    const bool bank = unknowns.size() > 3;
-    auto values = gap::current_values(p.model);
-    values[values.size() - unknowns.size()] = unknowns.front().high;
-    p.model.set_values(values);
-    EXPECT_EQ(creep.is_no_name(p.model, p.model.terms().back(), scene), bank);
-  }
-}
-
 TEST(Relaxation, WithinTheDrivenBandIsRateDependence) {
   const double slow = 1.0 / (2.0 * std::numbers::pi * 2.0);
   EXPECT_EQ(names_of_relaxed({hidden::fractional(slow, 0.03, -0.1)}),

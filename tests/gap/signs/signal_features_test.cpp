@@ -74,19 +74,5 @@ TEST(SignalFeatures, ScalesAreOfBothRecords) {
   EXPECT_LT(gap::signal_features(wide, scales).col(0).cwiseAbs().maxCoeff(), 2.0);
 }
 
-// Hats over the range add up to one everywhere: without their means to nothing. A straight line is a sum of them.
-TEST(CurveFeatures, AreHatsThatAddUpToOne) {
-  const auto r = record(1.0, 0.0, 1e-3);
-  const Eigen::MatrixXd hats = gap::curve_features(r, gap::signal_scales(r, r));
-  ASSERT_EQ(hats.cols() % 2, 0);
-  const Eigen::Index half = hats.cols() / 2;
-  EXPECT_LT(hats.leftCols(half).rowwise().sum().cwiseAbs().maxCoeff(), 1e-9);
-  EXPECT_LT(hats.rightCols(half).rowwise().sum().cwiseAbs().maxCoeff(), 1e-9);
-  Eigen::VectorXd line = Eigen::VectorXd::Zero(hats.rows());
-  for (Eigen::Index k = 0; k < half; ++k)
-    line += (-1.0 + 2.0 * static_cast<double>(k) / static_cast<double>(half - 1)) * hats.col(k);
-  EXPECT_LT((line - features(r).col(0)).cwiseAbs().maxCoeff(), 1e-9);
-}
-
 }  // namespace
 }  // namespace features_of

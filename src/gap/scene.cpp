@@ -13,8 +13,7 @@ namespace bodesmith::gap {
 namespace {
 
 /// Frequencies of the residual that effects are told.
-constexpr std::size_t kPeaks = 3;
-constexpr std::size_t kPeaksOfResponse = 6;
+constexpr std::size_t kPeaks = 6;
 /// Part of the input's power below low_hz, and above band_hz.
 constexpr double kOutside = 0.05;
 /// The band is at least as many bins of the spectrum wide.
@@ -133,7 +132,7 @@ std::vector<std::size_t> most_prominent(const std::vector<double>& v) {
   }
   std::sort(peaks.rbegin(), peaks.rend());
   std::vector<std::size_t> out;
-  for (std::size_t k = 0; k < std::min(kPeaksOfResponse, peaks.size()); ++k) out.push_back(peaks[k].second);
+  for (std::size_t k = 0; k < std::min(kPeaks, peaks.size()); ++k) out.push_back(peaks[k].second);
   return out;
 }
 

@@ -13,32 +13,18 @@ namespace {
 
 /// Damping is a delay (0.002 of a sample), too little of it rings for long behind every jump (100 samples).
 constexpr double kDamping = 0.003;
-/// Steps of records that differ by less than this part are the same.
-constexpr double kSameStep = 1e-3;
-
-/// The sample step of all records; nothing when they differ, or for frequency responses.
-std::optional<double> common_step_s(const Experiments& records) {
-  std::optional<double> step;
-  for (const auto& e : records) {
-    const auto* time = std::get_if<TimeExperiment>(&e);
-    if (time == nullptr) return std::nullopt;
-    const double own = time->record().step_s;
-    if (step && std::abs(own / *step - 1.0) > kSameStep) return std::nullopt;
-    step = own;
-  }
-  return step;
-}
 
 }  // namespace
 
 std::optional<Model> with_smooth_input(const SearchSetting& setting, const SearchRecords& records,
                                        const Model& model) {
-  const auto step_s = common_step_s(records.train);
-  if (!step_s) return std::nullopt;
+  const auto* first_record = std::get_if<TimeExperiment>(&records.train.front());
+  if (first_record == nullptr) return std::nullopt;
+  const double step_s = first_record->record().step_s;
   Model smooth = model;
   smooth.insert(0, chain::make_block("resonator")
                        .set("gain", 1.0)
-                       .set("natural_frequency_hz", std::sqrt(12.0) / (2.0 * std::numbers::pi * *step_s))
+                       .set("natural_frequency_hz", std::sqrt(12.0) / (2.0 * std::numbers::pi * step_s))
                        .set("damping_ratio", kDamping));
   // It takes at least what a name must explain.
   const double most = 1.0 - setting.options.bounds.explained;

@@ -12,7 +12,7 @@ namespace bodesmith::gap {
 //     1 / (1 - (f / f_0)^2),   f_0 = sqrt(12) / (2 pi T) = 0.551 / T
 // gives it back. It stands in front of the chain, has no unknowns and no name: it is the record's doing.
 
-/// The model with that block, refitted, when it leaves much less of the records than without; nothing
+/// The model with that block (of the first record's T), refitted, when it leaves much less of the records than without; nothing
 /// otherwise.
 std::optional<Model> with_smooth_input(const SearchSetting& setting, const SearchRecords& records,
                                        const Model& model);

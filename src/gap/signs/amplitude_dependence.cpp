@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "base/text.hpp"
+#include "gap/signs/chance.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -16,17 +17,15 @@ namespace {
 
 /// Drives nearer to each other are the same.
 constexpr double kSameDrive = 1.05;
-/// Standard deviations of the correlation of neighbouring points (18 of them cannot reach it), and the least change (of the logarithm) that is told.
-constexpr double kCertainly = 6.0;
+/// The least change (of the logarithm) that is told.
 constexpr double kLeastChange = 0.005;
 /// A peak stands out by so much (ln) on both sides, moves by this part of a step of the grid, or of itself, at the least.
 constexpr double kProminent = 0.3;
 constexpr double kMovedSteps = 0.3;
 constexpr double kMovedPart = 0.002;
-/// The change at the peak over that next to it, when it is the damping that changes.
-constexpr double kAtPeakAlone = 3.0;
-/// The change at the bottom of the band over that at its top, when it is there that the gain falls.
-constexpr double kAtTopAlone = 0.25;
+/// The change at the peak over that next to it, when it is the damping that changes; at the top of the band over that at its bottom, when it
+/// is there that the gain falls.
+constexpr double kAlone = 4.0;
 
 const MeasuredResponse* with_drive(const Experiment& experiment) {
   const auto* response = std::get_if<FrequencyExperiment>(&experiment);
@@ -109,8 +108,8 @@ AmplitudeClass class_without_peak(const std::vector<std::complex<double>>& chang
   const double bottom = mean_gain(change, 0, n / 3);
   const double top = mean_gain(change, n - n / 3, n);
   if (mean_gain(change, 0, n) > 0.0) return AmplitudeClass::rising_gain;
-  return top < 0.0 && bottom > kAtTopAlone * top ? AmplitudeClass::falling_gain_at_top
-                                                 : AmplitudeClass::falling_gain;
+  return top < 0.0 && kAlone * bottom > top ? AmplitudeClass::falling_gain_at_top
+                                            : AmplitudeClass::falling_gain;
 }
 
 AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const std::vector<double>& at,
@@ -133,7 +132,7 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
   const double there = mean_gain(change, peak > 0 ? peak - 1 : 0, std::min(change.size(), peak + 2));
   std::vector<double> sizes;
   for (const auto& c : change) sizes.push_back(c.real());
-  if (std::abs(there) > kAtPeakAlone * std::abs(median(sizes)))
+  if (std::abs(there) > kAlone * std::abs(median(sizes)))
     return there < 0.0 ? AmplitudeClass::rising_damping : AmplitudeClass::falling_damping;
   return class_without_peak(change);
 }
@@ -210,8 +209,7 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   out.change = std::sqrt(std::max(0.0, together) / n);
   out.times_noise = out.change / std::sqrt(std::max(0.0, energy - together) / n);
   // Of independent errors the sum of the products of neighbours has the deviation energy/sqrt(2n).
-  if (!(together > kCertainly * energy / std::sqrt(2.0 * n)) || out.change < kLeastChange)
-    return std::nullopt;
+  if (!(together > kAlike * energy / std::sqrt(2.0 * n)) || out.change < kLeastChange) return std::nullopt;
   out.kind = class_of(small, large, at, change, out);
   return out;
 }

@@ -12,6 +12,10 @@ namespace bodesmith::gap {
 /// A sign is more than so many deviations above the mean of surrogates' figures.
 inline constexpr double kDeviations = 7.0;
 
+/// Deviations of the correlation of neighbouring points of a response that are certainly alike; of heavy-tailed errors it has a larger
+/// deviation than counted. Ten points cannot reach it.
+inline constexpr double kAlike = 5.0;
+
 /// Of the energy, what a sign must hold: less is no matter, however sure.
 inline constexpr double kLeastShare = 0.02;
 

@@ -13,28 +13,20 @@ namespace {
 
 /// Neighbours begin beyond the width of the periodogram's window, and are so many to each side.
 constexpr std::size_t kWindowBins = 4;
-constexpr std::size_t kMinReach = 6;
-constexpr std::size_t kMaxReach = 24;
+constexpr std::size_t kReach = 12;
 constexpr int kMinNeighbours = 3;
 
-/// Deviations of the correlation of neighbouring errors; of heavy-tailed ones it has a larger deviation than
-/// counted. Ten points cannot reach it.
-constexpr double kSmooth = 4.5;
-
-/// A point of a response stands apart when its energy is so many times that of the points from this distance on. Of
-/// noise, the largest of a thousand over the mean of a dozen reaches 21 once in a thousand times.
-constexpr std::size_t kApartFrom = 3;
+/// A point of a response stands apart when its energy is so many times that of the points around it. Of noise, the largest of a thousand
+/// over the mean of a dozen reaches 21 once in a thousand times.
 constexpr double kStandsApart = 60.0;
 
-/// Level around bin k, from `distance` bins on: the larger of the means to both sides, so that a slope does not count.
-/// Nothing near the ends.
-std::optional<double> level_around(const std::vector<double>& power, std::size_t k, std::size_t distance) {
-  const std::size_t reach = std::clamp<std::size_t>(k / 4, kMinReach, kMaxReach);
+/// Level around bin k: the larger of the means to both sides, so that a slope does not count. Nothing near the ends.
+std::optional<double> level_around(const std::vector<double>& power, std::size_t k) {
   double below = 0.0;
   double above = 0.0;
   int counted_below = 0;
   int counted_above = 0;
-  for (std::size_t d = distance; d < distance + reach; ++d) {
+  for (std::size_t d = kWindowBins; d < kWindowBins + kReach; ++d) {
     if (k >= d + 1) {
       below += power[k - d];
       ++counted_below;
@@ -61,7 +53,7 @@ Sign spectral_line(const Leftover& record) {
   const double limit = 4.0 * (std::log(static_cast<double>(power.size())) + 3.0);
   for (std::size_t k = kWindowBins; k + kWindowBins < power.size(); ++k) {
     if (power[k] < power[k - 1] || power[k] < power[k + 1]) continue;
-    const auto level = level_around(power, k, kWindowBins);
+    const auto level = level_around(power, k);
     if (!level || power[k - 1] + power[k] + power[k + 1] < kLeastShare * total) continue;
     sign.strength = std::max(sign.strength, power[k] / std::max(*level, 1e-300) / limit);
   }
@@ -75,7 +67,7 @@ Sign stands_apart(const Leftover& record) {
   for (std::size_t i = 0; i < n; ++i)
     energy[i] = std::pow(record.response[2 * i], 2) + std::pow(record.response[2 * i + 1], 2);
   for (std::size_t i = 0; i < n; ++i) {
-    if (const auto level = level_around(energy, i, kApartFrom))
+    if (const auto level = level_around(energy, i))
       sign.strength = std::max(sign.strength, energy[i] / std::max(*level, 1e-300) / kStandsApart);
   }
   return sign;
@@ -95,7 +87,7 @@ Sign smooth_over_frequency(const Leftover& record) {
   }
   // Independent errors: the correlation of neighbours has the deviation 1/sqrt(2n).
   const double z = energy > 0.0 ? together / energy * std::sqrt(2.0 * static_cast<double>(n)) : 0.0;
-  sign.strength = z / kSmooth;
+  sign.strength = z / kAlike;
   return sign;
 }
 

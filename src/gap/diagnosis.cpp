@@ -116,6 +116,15 @@ bool disagrees(const Diagnosis& d) {
   return worse || d.final.holdout_rms > kDisagrees * d.final.train_rms;
 }
 
+/// Times a floor found above the band: noise that correlates over thirty samples stands so far above its own white level
+/// (root of (1 + rho)/(1 - rho)); half of it would call red noise of ten samples a gap.
+constexpr double kFarAboveWhite = 8.0;
+
+bool is_far_above_white_floor(const Diagnosis& d) {
+  return d.floor.source == NoiseFloor::Source::high_frequency &&
+         std::max(d.final.train_rms, d.final.holdout_rms) > kFarAboveWhite * d.floor.rms;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOptions& options) {
@@ -157,7 +166,8 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.verdict = verdict_of(d.search, d.search.train_rms);
   d.holdout_disagrees = disagrees(d);
   // What is claimed of the training records and does not hold elsewhere is not explained.
-  if (d.holdout_disagrees && d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
+  if ((d.holdout_disagrees || is_far_above_white_floor(d)) && d.verdict == Verdict::explained)
+    d.verdict = Verdict::partly_explained;
   if (d.holdout_disagrees && d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
   auto posterior =
       posterior_of(d.search, d.verdict == Verdict::partly_explained || d.verdict == Verdict::unexplained);

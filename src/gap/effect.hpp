@@ -17,8 +17,6 @@ struct EffectFacts {
   std::string_view what;        ///< a sentence for the report: what it does to a signal
   std::string_view experiment;  ///< that tells it from those
   bool linear = false;          ///< shows in a frequency response
-  /// What it adds has a size and no form (a corner, a frequency, a limit) by which it could fit what is only chance.
-  bool adds_one_signal = false;
   /// A model may hold more than one of it: each is another thing, and not one thing with more freedom.
   bool repeatable = false;
   bool repeatable_in_response =

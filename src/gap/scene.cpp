@@ -20,8 +20,7 @@ constexpr double kOutside = 0.05;
 constexpr double kMinBand = 4.0;
 
 /// Times below this part of the sampling step are not told from the way between the samples.
-constexpr double kLeastOfSample = 0.08;
-constexpr double kLeastOfSampleAlone = 0.01;
+constexpr double kLeastOfSample = 0.01;
 
 Signal signal_of(std::span<const double> v, double step_s) {
   Signal s;
@@ -222,8 +221,7 @@ std::vector<double> Scene::beyond_band_hz(double times, int count) const {
 }
 
 bool Scene::is_between_samples(double seconds) const {
-  const double least = takes_most ? kLeastOfSampleAlone : kLeastOfSample;
-  return !frequency_only && seconds < least * step_s;
+  return !frequency_only && seconds < kLeastOfSample * step_s;
 }
 
 std::vector<std::size_t> Scene::base_places() const {

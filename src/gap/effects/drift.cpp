@@ -14,7 +14,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 }  // namespace
 
 BODESMITH_EFFECT(drift, .what = "the output moves slowly and linearly with time",
-                 .experiment = "a record at rest, without drive: drift goes on", .adds_one_signal = true,
-                 .propose = propose)
+                 .experiment = "a record at rest, without drive: drift goes on", .propose = propose)
 
 }  // namespace bodesmith::gap

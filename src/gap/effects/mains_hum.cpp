@@ -132,7 +132,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 }  // namespace
 
 BODESMITH_EFFECT(mains_hum, .what = "a sinusoid of the mains is added",
-                 .experiment = "a record without drive: hum stays", .adds_one_signal = true,
-                 .repeatable = true, .propose = propose)
+                 .experiment = "a record without drive: hum stays", .repeatable = true, .propose = propose)
 
 }  // namespace bodesmith::gap

@@ -25,6 +25,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 BODESMITH_EFFECT(
     offset, .what = "a constant is added",
     .experiment = "the same drive at two amplitudes: an offset stays, a curvature grows with the square",
-    .adds_one_signal = true, .propose = propose)
+    .propose = propose)
 
 }  // namespace bodesmith::gap

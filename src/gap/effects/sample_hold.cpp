@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
@@ -8,13 +7,6 @@
 
 namespace bodesmith::gap {
 namespace {
-
-bool dynamics_follow(const Scene& scene, std::size_t at) {
-  for (std::size_t k = at; k < scene.model->size(); ++k) {
-    if (scene.model->at(k).section_order() > 0) return true;
-  }
-  return false;
-}
 
 chain::Block hold_block(bool half, double clock_hz) {
   auto block = chain::make_block("sample_hold");
@@ -40,12 +32,10 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
   const double lag_s = mean_lag_s(scene);
   const bool lags = lag_s > 0.0 && !scene.is_between_samples(lag_s);
   const std::vector<std::size_t> places = scene.static_places();
-  // What is late in front of linear dynamics is late at the end too, where they have not to be undone.
   std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
   parallel_for(found.size(), scene.threads, [&](std::size_t i) {
     const std::size_t at = places[i / 2];
     const bool half = i % 2 == 1;
-    if (at != scene.end() && !dynamics_follow(scene, at)) return;
     found[i] = clocks_of_hold(scene, at, half);
     if (!lags) return;
     const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
@@ -53,9 +43,6 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
     const auto more = clocks_of_hold(scene, at, half, guess);
     found[i].insert(found[i].end(), more.begin(), more.end());
   });
-  const std::array at_end = {found[found.size() - 2], found.back()};
-  for (std::size_t i = 0; i + 2 < found.size(); ++i)
-    found[i].insert(found[i].end(), at_end[i % 2].begin(), at_end[i % 2].end());
   for (std::size_t place = 0; place < places.size(); ++place) {
     const std::size_t at = places[place];
     for (const bool half : {false, true}) {

@@ -25,40 +25,16 @@ double explained(double before, double after) {
   return std::sqrt(std::max(0.0, before * before - after * after));
 }
 
-/// The rms of which a name must explain a part: of the first gap; of what they leave where all others are signals without a form
-/// (offset, drift, hum).
-double gap_to_explain(const SearchSetting& setting, const Model& without, double rms_without) {
-  const auto& terms = without.terms();
-  const bool no_form = std::all_of(terms.begin(), terms.end(),
-                                   [](const Term& term) { return term.effect->facts().adds_one_signal; });
-  return no_form ? rms_without : setting.first_gap;
-}
-
-/// What two names leave is all but the same: one can stand for the other.
-bool are_alike(const std::vector<double>& a, const std::vector<double>& b) {
-  constexpr double kAlike = 0.97;
-  double ab = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) ab += a[i] * b[i];
-  return ab > kAlike * rms(a) * rms(b) * static_cast<double>(a.size());
-}
-
-/// First names for pairs: the best of every effect, and of those that leave the same (many lags) the best.
-std::vector<Ranked> firsts_among(const SearchSetting& setting, const SearchRecords& records,
-                                 std::vector<Ranked> ranking) {
+/// First names for pairs: the best of every effect.
+std::vector<Ranked> firsts_among(const SearchSetting& setting, std::vector<Ranked> ranking) {
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
   std::vector<Ranked> firsts;
-  std::vector<std::vector<double>> left;
   std::set<const Effect*> effects;
   for (auto& r : ranking) {
     if (firsts.size() >= setting.options.pairs.firsts) break;
-    if (r.outcome == CandidateOutcome::no_name || effects.count(r.effect) != 0) continue;
-    auto residuals = residuals_of(r.model, records.train);
-    if (std::any_of(left.begin(), left.end(), [&](const auto& other) { return are_alike(residuals, other); }))
-      continue;
-    effects.insert(r.effect);
-    firsts.push_back(std::move(r));
-    left.push_back(std::move(residuals));
+    if (r.outcome != CandidateOutcome::no_name && effects.insert(r.effect).second)
+      firsts.push_back(std::move(r));
   }
   return firsts;
 }
@@ -91,7 +67,7 @@ bool matters(const SearchSetting& setting, const SearchRecords& records, const M
              double rms_with) {
   const double before = rms_of(without, records.train);
   return explained(before, rms_with) >=
-         setting.options.bounds.explained * std::sqrt(before * gap_to_explain(setting, without, before));
+         setting.options.bounds.explained * std::sqrt(before * setting.first_gap);
 }
 
 bool all_matter(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
@@ -107,11 +83,8 @@ bool all_matter(const SearchSetting& setting, const SearchRecords& records, cons
 
 bool term_is_no_name(const Model& model, std::size_t term, const Experiments& train) {
   if (are_responses(train)) return false;
-  auto scene = make_scene(model, train);
-  // What was taken as a first name may be as little as those are allowed to be.
-  scene.takes_most = true;
   const auto& own = model.terms()[term];
-  return own.effect->is_no_name(model, own, scene);
+  return own.effect->is_no_name(model, own, make_scene(model, train));
 }
 
 const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records, const Model& without,
@@ -156,7 +129,7 @@ bool could_be_fewer(const SearchOptions& options, const Model& model) {
 
 std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
                                                   const std::vector<Ranked>& first) {
-  const auto firsts = firsts_among(setting, records, first);
+  const auto firsts = firsts_among(setting, first);
   const auto seconds = second_names(setting, records, firsts);
   if (seconds.empty() || setting.options.is_late()) return {};
   std::vector<std::pair<Ranked, Ranked>> pairs;

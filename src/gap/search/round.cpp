@@ -17,8 +17,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Of what was left before: a first name that leaves less takes most of the gap.
-constexpr double kMost = 0.5;
 /// Of a name whose values are usually another effect's traces (Effect::is_implausible): one in twenty thousand.
 constexpr double kLogImplausible = -10.0;
 
@@ -125,8 +123,7 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
     const std::size_t last = r.model.terms().size() - 1;
     Model without = r.model;
     without.remove(last);
-    auto scene = make_scene(without, records.train);
-    scene.takes_most = last == 0 && r.train_rms < kMost * rms_of(without, records.train);
+    const auto scene = make_scene(without, records.train);
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
     if (r.effect->is_implausible(r.model, scene))
       r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogImplausible);

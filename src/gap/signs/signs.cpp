@@ -13,6 +13,19 @@ namespace {
 
 /// Shorter records say too little.
 constexpr std::size_t kMinSamples = 200;
+/// A prediction this many times beyond chance in one direction will do; else both directions must hold.
+constexpr double kPlainSigns = 2.0;
+
+/// The stronger of learning on one and applying to the other, and the reverse; nothing when it is not plain.
+Sign depends_either_way(const Leftover& a, const Leftover& b) {
+  const auto there = depends_on_signals(a, b);
+  const auto back = depends_on_signals(b, a);
+  const bool plain =
+      (there.found() && back.found()) || there.strength > kPlainSigns || back.strength > kPlainSigns;
+  if (!plain) return {};
+  return there.strength > back.strength ? there : back;
+}
+
 }  // namespace
 
 std::string to_string(SignKind kind) {
@@ -34,9 +47,9 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
   const auto consider = [&](std::function<Sign()> look) { looks.push_back(std::move(look)); };
   const auto is_long = [](const Leftover& r) { return r.residual.size() >= kMinSamples; };
   for (std::size_t a = 0; a < parts.size(); ++a) {
-    for (std::size_t b = 0; b < parts.size(); ++b) {
-      if (a != b && is_long(parts[a]) && is_long(parts[b]))
-        consider([&parts, a, b] { return depends_on_signals(parts[a], parts[b]); });
+    for (std::size_t b = a + 1; b < parts.size(); ++b) {
+      if (is_long(parts[a]) && is_long(parts[b]))
+        consider([&parts, a, b] { return depends_either_way(parts[a], parts[b]); });
     }
   }
   for (const auto& r : records) {

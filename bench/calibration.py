@@ -98,14 +98,13 @@ def schwarz(step, samples):
     return posterior([(r[0], -samples * math.log(max(r[2], 1e-300)) - 0.5 * r[3] * math.log(samples)) for r in step["rivals"]])
 
 
-def read_again(row, tempered, without_sign, at_chance, feigned):
+def read_again(row, tempered, of_a_whole, contradicted, a_sign):
     """The row with other constants of evidence/posterior.cpp: log evidences over `tempered`."""
-    plainest = max([1.0] + [s["times_chance"] for s in row["signs"]])
-    outside = 1.0 - at_chance / plainest if row["signs"] else without_sign
+    outside = a_sign if row["signs"] else of_a_whole if row["verdict"] in ("explained", "nothing_missing") else contradicted
     steps = []
     for s in row["steps"]:
         names = posterior([(r[0], r[1] / tempered) for r in s["rivals"] if r[1] is not None])
-        steps.append({**s, "probability": (1.0 - feigned * outside) * names.get(s["effect"], 1.0)})
+        steps.append({**s, "probability": (1.0 - outside) * names.get(s["effect"], 1.0)})
     return {**row, "steps": steps, "outside": outside}
 
 
@@ -147,9 +146,9 @@ def show(args):
         show_one("read with these constants, on those below", [read_again(r, *args.read) for r in fitted])
         others_read = [read_again(r, *args.read) for r in others]
         show_one("read with these constants, on the others", others_read)
-    grid = itertools.product((1.0, 1.5, 2.0, 3.0, 4.0), (0.02, 0.03, 0.04, 0.05, 0.06, 0.08), (0.4, 0.5, 0.6, 0.7, 0.8, 0.9), (0.15, 0.5, 0.8, 1.0))
+    grid = itertools.product((1.0, 1.5, 2.0, 3.0, 4.0), (0.02, 0.03, 0.04, 0.05), (0.2, 0.3, 0.4, 0.5), (0.5, 0.6, 0.7, 0.8))
     best = max(grid, key=lambda g: log_score([read_again(r, *g) for r in fitted]))
-    print("best on those below:", dict(zip(("tempered", "without_sign", "at_chance", "feigned"), best)))
+    print("best on those below:", dict(zip(("tempered", "of_a_whole", "contradicted", "a_sign"), best)))
     show_one("fitted, on those it was fitted on", [read_again(r, *best) for r in fitted])
     show_one("fitted, on the others", [read_again(r, *best) for r in others])
     with_rms = [r for r in others if r["steps"] and len(r["steps"][0]["rivals"][0]) > 2]
@@ -214,7 +213,7 @@ def main():
     s = sub.add_parser("show")
     s.add_argument("answers")
     s.add_argument("--fit-below", type=int, default=120)
-    s.add_argument("--read", nargs=4, type=float, help="tempered, without_sign, at_chance, feigned instead of the program's")
+    s.add_argument("--read", nargs=4, type=float, help="tempered, of_a_whole, contradicted, a_sign instead of the program's")
     s.set_defaults(run=show)
     b = sub.add_parser("stability")
     b.add_argument("--program", required=True)

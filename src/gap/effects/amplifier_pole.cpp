@@ -4,11 +4,11 @@
 namespace bodesmith::gap {
 namespace {
 
-bool is_no_name(const Model&, const Term& term, const Scene& scene) {
+bool amplifier_pole_is_no_name(const Model&, const Term& term, const Scene& scene) {
   return scene.is_between_samples(1.0 / Hertz{term.unknowns.front().value}.rad_s().value);
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_amplifier_pole(const Scene& scene, std::vector<Proposal>& out) {
   const double b = scene.band_hz;
   Starts starts = {{30.0 * b}, {6.0 * b}, {1.5 * b}, {0.4 * b}};
   for (double hz : scene.beyond_band_hz(30.0, 2)) starts.push_back({hz});
@@ -24,7 +24,7 @@ BODESMITH_EFFECT(
     .experiment =
         "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
         "a pole does not)",
-    .linear = true, .repeatable_in_response = true, .of_no_circuit = true, .propose = propose,
-    .is_no_name = is_no_name)
+    .linear = true, .repeatable_in_response = true, .of_no_circuit = true, .propose = propose_amplifier_pole,
+    .is_no_name = amplifier_pole_is_no_name)
 
 }  // namespace bodesmith::gap

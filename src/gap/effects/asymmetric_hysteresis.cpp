@@ -97,7 +97,7 @@ Proposal plays_and_dead_zones(const Scene& scene, std::size_t at) {
   return insert_block(scene, at, block, bank.unknowns, {bank.start});
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_asymmetric_hysteresis(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
     if (!(scene.boundary[at].span() > 0.0)) continue;
     out.push_back(branches(scene, at));
@@ -106,7 +106,7 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 }
 
 /// Branches that coincide are a curve, and so are one-sided dead zones behind plays without weight.
-bool is_no_name(const Model& model, const Term& term, const Scene& scene) {
+bool asymmetric_hysteresis_is_no_name(const Model& model, const Term& term, const Scene& scene) {
   const std::size_t at = model.position_of(term.blocks.front());
   const auto& block = model.at(at);
   const auto& signal = scene.boundary[at];
@@ -116,7 +116,7 @@ bool is_no_name(const Model& model, const Term& term, const Scene& scene) {
 }  // namespace
 
 BODESMITH_EFFECT(asymmetric_hysteresis, .what = "memory whose ascending and descending branches differ",
-                 .experiment = "loops of several amplitudes about several biases", .propose = propose,
-                 .is_no_name = is_no_name)
+                 .experiment = "loops of several amplitudes about several biases",
+                 .propose = propose_asymmetric_hysteresis, .is_no_name = asymmetric_hysteresis_is_no_name)
 
 }  // namespace bodesmith::gap

@@ -4,7 +4,7 @@
 namespace bodesmith::gap {
 namespace {
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_backlash(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
     const auto& signal = scene.boundary[at];
     const double span = signal.span();
@@ -19,6 +19,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 BODESMITH_EFFECT(
     backlash, .what = "play of constant width",
     .experiment = "loops of two amplitudes at two frequencies: play has one width at all of them",
-    .propose = propose)
+    .propose = propose_backlash)
 
 }  // namespace bodesmith::gap

@@ -44,7 +44,7 @@ void propose_pair(const Scene& scene, std::size_t at, bool damps, std::vector<Pr
   out.push_back(propose_term(*scene.model, std::move(term), {{1.01}}));
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_capacitor_mismatch(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.base_places()) {
     const auto& section = scene.model->at(at);
     if (section.section_order() == 0) continue;
@@ -64,6 +64,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(capacitor_mismatch, .what = "a section's pole or zero is shifted by its capacitor ratio",
                  .experiment = "the section alone, measured across its corner", .linear = true,
-                 .places_a_round = 4, .propose = propose)
+                 .places_a_round = 4, .propose = propose_capacitor_mismatch)
 
 }  // namespace bodesmith::gap

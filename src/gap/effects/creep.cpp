@@ -70,7 +70,7 @@ void propose_logarithmic(const Scene& scene, std::size_t at, double fast, double
                              }));
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_creep(const Scene& scene, std::vector<Proposal>& out) {
   const double slow = scene.frequency_only ? 1.0 / scene.low_hz : 0.7 * scene.duration_s;
   const double fast = 0.08 / scene.band_hz;
   for (std::size_t at : scene.linear_places()) {
@@ -101,14 +101,14 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
   }
 }
 
-bool is_implausible(const Model& model, const Scene& scene) {
+bool creep_is_implausible(const Model& model, const Scene& scene) {
   return lies_in_driven_band(middle_of_relaxations(model.terms().back(), model), scene);
 }
 
 }  // namespace
 
 BODESMITH_EFFECT(creep, .what = "slow relaxation, logarithmic or of several time constants",
-                 .experiment = "a long record after one step", .linear = true, .propose = propose,
-                 .is_implausible = is_implausible)
+                 .experiment = "a long record after one step", .linear = true, .propose = propose_creep,
+                 .is_implausible = creep_is_implausible)
 
 }  // namespace bodesmith::gap

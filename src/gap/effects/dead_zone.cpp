@@ -4,7 +4,7 @@
 namespace bodesmith::gap {
 namespace {
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_dead_zone(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
     const auto& signal = scene.boundary[at];
     const double size = signal.size();
@@ -17,6 +17,7 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 }  // namespace
 
 BODESMITH_EFFECT(dead_zone, .what = "no response near zero",
-                 .experiment = "a small drive around zero: a dead zone passes nothing", .propose = propose)
+                 .experiment = "a small drive around zero: a dead zone passes nothing",
+                 .propose = propose_dead_zone)
 
 }  // namespace bodesmith::gap

@@ -4,7 +4,7 @@
 namespace bodesmith::gap {
 namespace {
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_gain_error(const Scene& scene, std::vector<Proposal>& out) {
   // A gain that may be fitted is no error.
   if (is_refitted(*scene.model, "gain")) return;
   for (std::size_t at : scene.linear_places()) {
@@ -17,6 +17,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(gain_error, .what = "a static gain differs",
                  .experiment = "a static gain test at several input levels", .linear = true,
-                 .propose = propose)
+                 .propose = propose_gain_error)
 
 }  // namespace bodesmith::gap

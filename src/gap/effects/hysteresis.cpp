@@ -66,7 +66,7 @@ Proposal bouc_wen(const Scene& scene, std::size_t at, double half, bool sharpnes
   });
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_hysteresis(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
     const double half = 0.5 * scene.boundary[at].span();
     if (!(half > 0.0)) continue;
@@ -83,6 +83,6 @@ BODESMITH_EFFECT(
     hysteresis, .what = "rate-independent memory",
     .experiment =
         "loops of several amplitudes at two frequencies: memory keeps its loop when the frequency changes",
-    .propose = propose)
+    .propose = propose_hysteresis)
 
 }  // namespace bodesmith::gap

@@ -102,7 +102,7 @@ Proposal with_line(const Scene& scene, const Line& line) {
 
 /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
 /// its alias), its size and phase each record's own.
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_mains_hum(const Scene& scene, std::vector<Proposal>& out) {
   std::vector<Line> lines;
   const double rate = 1.0 / scene.step_s;
   const FineSpectrum spectrum(scene);
@@ -132,6 +132,7 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 }  // namespace
 
 BODESMITH_EFFECT(mains_hum, .what = "a sinusoid of the mains is added",
-                 .experiment = "a record without drive: hum stays", .repeatable = true, .propose = propose)
+                 .experiment = "a record without drive: hum stays", .repeatable = true,
+                 .propose = propose_mains_hum)
 
 }  // namespace bodesmith::gap

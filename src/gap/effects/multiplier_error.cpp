@@ -136,7 +136,7 @@ Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<Powers>
   return propose_term(std::move(model), std::move(term), {start});
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_multiplier_error(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.base_places()) {
     const auto& block = scene.model->at(at);
     if (block.has("scale_v")) propose_in_multiplier(scene, at, out);
@@ -164,6 +164,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(multiplier_error, .what = "scale, feedthrough or offset of a multiplier in the chain",
                  .experiment = "the disturbance generator alone, swept from end to end", .places_a_round = 4,
-                 .propose = propose)
+                 .propose = propose_multiplier_error)
 
 }  // namespace bodesmith::gap

@@ -11,7 +11,7 @@ std::vector<std::size_t> places(const Scene& scene) {
                                                                  : scene.static_places();
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_offset(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : places(scene)) {
     const double size = scene.boundary[at].size();
     out.push_back(insert_block(scene, at, chain::make_block("gain").set("gain", 1.0),
@@ -25,6 +25,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 BODESMITH_EFFECT(
     offset, .what = "a constant is added",
     .experiment = "the same drive at two amplitudes: an offset stays, a curvature grows with the square",
-    .propose = propose)
+    .propose = propose_offset)
 
 }  // namespace bodesmith::gap

@@ -103,7 +103,7 @@ void propose_all(const Scene& scene, const std::vector<Place>& places, std::vect
 
 /// Each op-amp of the sections whose op-amps are known; of other sections with a zero one op-amp, inverting or not. Boards carry
 /// one type of op-amp: all of them as well.
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_opamp_bandwidth(const Scene& scene, std::vector<Proposal>& out) {
   std::vector<Place> known;
   std::vector<std::size_t> others;
   for (std::size_t at : scene.base_places()) {
@@ -131,6 +131,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(opamp_bandwidth, .what = "finite gain-bandwidth of a section's op-amp",
                  .experiment = "the section alone, measured a decade higher", .linear = true,
-                 .places_a_round = 4, .propose = propose)
+                 .places_a_round = 4, .propose = propose_opamp_bandwidth)
 
 }  // namespace bodesmith::gap

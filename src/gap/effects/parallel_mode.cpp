@@ -106,7 +106,7 @@ void add_proposal(const Scene& scene, Model model, int block, std::optional<int>
   out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
 }
 
-bool is_no_name(const Model&, const Term& term, const Scene& scene) {
+bool parallel_mode_is_no_name(const Model&, const Term& term, const Scene& scene) {
   const double hz = term.unknowns[0].value;
   return hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz);
 }
@@ -119,7 +119,7 @@ void add_block(const Scene& scene, std::size_t at, std::optional<int> resonator,
   add_proposal(scene, std::move(model), block, resonator, placed, out);
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_parallel_mode(const Scene& scene, std::vector<Proposal>& out) {
   for (const Term& earlier : scene.model->terms()) {
     if (earlier.effect->name() != "parallel_mode") continue;
     const int block = earlier.blocks.front();
@@ -143,6 +143,7 @@ BODESMITH_EFFECT(
     parallel_mode, .what = "a second-order mode in parallel with the path, of either sign",
     .experiment =
         "a sweep through the suspected frequency and the zero next to it, and the same with the sensor elsewhere",
-    .linear = true, .repeatable = true, .of_no_circuit = true, .propose = propose, .is_no_name = is_no_name)
+    .linear = true, .repeatable = true, .of_no_circuit = true, .propose = propose_parallel_mode,
+    .is_no_name = parallel_mode_is_no_name)
 
 }  // namespace bodesmith::gap

@@ -12,13 +12,13 @@ namespace {
 constexpr double kMaxOrder = 0.6;
 
 /// Between its corners the gain falls like that of logarithmic creep with these time constants.
-bool is_implausible(const Model& model, const Scene& scene) {
+bool rate_dependence_is_implausible(const Model& model, const Scene& scene) {
   const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));
   return block.get("beta") <= 0.0 &&
          lies_below_driven_band(block.get("lambda_s") * std::sqrt(block.get("x")), scene);
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_rate_dependence(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.linear_places()) {
     const double low = std::max(scene.low_hz, 1e-3 * scene.band_hz);
     Starts starts;
@@ -39,7 +39,7 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 }  // namespace
 
 BODESMITH_EFFECT(rate_dependence, .what = "the gain changes with frequency by a fractional order",
-                 .experiment = "a sweep over more decades", .linear = true, .propose = propose,
-                 .is_implausible = is_implausible)
+                 .experiment = "a sweep over more decades", .linear = true,
+                 .propose = propose_rate_dependence, .is_implausible = rate_dependence_is_implausible)
 
 }  // namespace bodesmith::gap

@@ -9,7 +9,7 @@ namespace {
 /// More damping leaves no peak: two lags, which have names of their own.
 constexpr double kMaxDamping = 0.7;
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_resonance(const Scene& scene, std::vector<Proposal>& out) {
   Starts starts;
   auto peaks = scene.residual_peaks_hz;
   for (double factor : {0.6, 1.2, 2.0, 3.5, 6.0}) peaks.push_back(factor * scene.band_hz);
@@ -45,6 +45,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(resonance, .what = "a second-order mode",
                  .experiment = "a sweep through the suspected frequency", .linear = true,
-                 .repeatable_in_response = true, .of_no_circuit = true, .propose = propose)
+                 .repeatable_in_response = true, .of_no_circuit = true, .propose = propose_resonance)
 
 }  // namespace bodesmith::gap

@@ -25,10 +25,10 @@ Proposal one_corner(const Scene& scene, std::size_t at, double low, double high,
 }
 
 /// Far above the band it is a delay, and a small part of many other shapes.
-bool is_implausible(const Model& /*model*/, const Scene& /*scene*/) {
+bool right_half_plane_zero_is_implausible(const Model& /*model*/, const Scene& /*scene*/) {
   return true;
 }
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_right_half_plane_zero(const Scene& scene, std::vector<Proposal>& out) {
   if (!scene.frequency_only) return;
   const double low = 0.3 * scene.low_hz;
   const double high = 100.0 * scene.top_hz;
@@ -53,6 +53,7 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 BODESMITH_EFFECT(
     right_half_plane_zero, .what = "a zero in the right half-plane: a step begins the wrong way",
     .experiment = "a sweep to higher frequencies: the phase of a zero comes to an end, a delay's does not",
-    .linear = true, .propose = propose, .is_implausible = is_implausible)
+    .linear = true, .propose = propose_right_half_plane_zero,
+    .is_implausible = right_half_plane_zero_is_implausible)
 
 }  // namespace bodesmith::gap

@@ -61,7 +61,7 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
   }
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_sample_hold(const Scene& scene, std::vector<Proposal>& out) {
   if (scene.frequency_only) {
     propose_in_response(scene, out);
   } else {
@@ -73,6 +73,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(sample_hold, .what = "a clocked hold: droop and half a cycle of delay",
                  .experiment = "a faster clock, or a record sampled much faster than it", .linear = true,
-                 .starts_from_residual = true, .places_a_round = 4, .propose = propose)
+                 .starts_from_residual = true, .places_a_round = 4, .propose = propose_sample_hold)
 
 }  // namespace bodesmith::gap

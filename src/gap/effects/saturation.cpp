@@ -7,7 +7,7 @@
 namespace bodesmith::gap {
 namespace {
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_saturation(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
     const auto& signal = scene.boundary[at];
     const double span = signal.span();
@@ -41,6 +41,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 /// A clip anywhere in the chain is likelier than memory with many unknowns.
 BODESMITH_EFFECT(saturation, .what = "the amplitude is limited",
                  .experiment = "a slow ramp to the ends of the range: a limit is flat", .places_a_round = 5,
-                 .propose = propose)
+                 .propose = propose_saturation)
 
 }  // namespace bodesmith::gap

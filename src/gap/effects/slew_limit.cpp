@@ -19,7 +19,7 @@ double measured_slope(const Scene& scene, double q) {
   return quantile(std::move(slopes), q);
 }
 
-void propose(const Scene& scene, std::vector<Proposal>& out) {
+void propose_slew_limit(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
     const auto& signal = scene.boundary[at];
     const double fastest = signal.slope_quantile(1.0);
@@ -48,6 +48,6 @@ void propose(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(slew_limit, .what = "the rate of change is limited",
                  .experiment = "the same step at two amplitudes: the ramp's slope stays", .places_a_round = 4,
-                 .propose = propose)
+                 .propose = propose_slew_limit)
 
 }  // namespace bodesmith::gap

@@ -22,7 +22,7 @@ struct Posterior {
 
 /// Every model that a step's round fitted, and the one without the step, by its evidence (score.hpp) and what a name costs. An
 /// effect counts with its best place and form, steps as independent of each other. `more_is_left`: the verdict is that something is, by a sign or
-/// by records (held-out ones, a floor) that contradict what was found, which is worth a sign as plain as chance makes it.
+/// by records (held-out ones, a floor) that contradict what was found.
 Posterior posterior_of(const SearchResult& result, bool more_is_left);
 
 }  // namespace bodesmith::gap

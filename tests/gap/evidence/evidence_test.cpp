@@ -93,14 +93,20 @@ TEST(Evidence, AModelThatCannotBeRunIsNoRival) {
   EXPECT_EQ(posterior.alternatives.front().probability, 1.0);
 }
 
-// Held-out records that contradict a name leave it little better than a guess, as a sign does that is just beyond chance.
+// Held-out records that contradict a name leave it little better than a guess, and a sign that more is missing less, however plain.
 TEST(Evidence, ANameIsDoubtedWhereMoreIsLeft) {
   auto result = slewing_alone();
   EXPECT_GT(gap::posterior_of(result, false).of_steps.front(), 0.9);
   const double contradicted = gap::posterior_of(result, true).of_steps.front();
   EXPECT_LT(contradicted, 0.7);
-  result.structure = {{gap::SignKind::jumps, 1.0}};
-  EXPECT_EQ(gap::posterior_of(result, true).of_steps.front(), contradicted);
+  EXPECT_GT(contradicted, 0.5);
+  result.structure = {{gap::SignKind::jumps, 1.01}};
+  const auto with_a_sign = gap::posterior_of(result, true);
+  EXPECT_LT(with_a_sign.of_steps.front(), 0.5 * contradicted);
+  EXPECT_NEAR(with_a_sign.of_steps.front(), (1.0 - with_a_sign.outside) * with_a_sign.among_names.front(),
+              1e-12);
+  result.structure.front().strength = 30.0;
+  EXPECT_EQ(gap::posterior_of(result, true).of_steps.front(), with_a_sign.of_steps.front());
 }
 
 }  // namespace

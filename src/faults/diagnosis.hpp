@@ -77,7 +77,7 @@ struct Diagnosis {
   /// ln p(measured | this board, with whatever may be wrong with it), but for what the measurement's points alone decide.
   double log_evidence = 0.0;
   std::vector<Suspect> suspects;  ///< most probable first
-  std::size_t tied = 1;            ///< the first so many of them cannot be told apart
+  std::size_t tied = 1;           ///< the first so many of them cannot be told apart
   std::vector<std::pair<std::string, double>>
       parts;  ///< of each part alone: the sum over everything that accuses it
   Noise noise;

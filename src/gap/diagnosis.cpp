@@ -33,6 +33,8 @@ namespace {
 
 /// The held-out records disagree when this much more is left of them than of the training records.
 constexpr double kDisagrees = 2.0;
+/// The same where nothing was found: slow noise alone may be so much larger in one record than in another.
+constexpr double kDisagreesWithNothing = 5.0;
 
 const Ranked* best_rival(const Step& step) {
   const Ranked* rival = nullptr;
@@ -112,8 +114,9 @@ std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
 
 /// Whether the held-out records contradict what was found on the others.
 bool disagrees(const Diagnosis& d) {
+  const double most = d.steps.empty() ? kDisagreesWithNothing : kDisagrees;
   const bool worse = !d.steps.empty() && d.final.holdout_rms > d.refitted.holdout_rms;
-  return worse || d.final.holdout_rms > kDisagrees * d.final.train_rms;
+  return worse || d.final.holdout_rms > most * d.final.train_rms;
 }
 
 /// Times a floor found above the band: noise that correlates over thirty samples stands so far above its own white level

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-
 #include <algorithm>
 #include <cmath>
 #include <regex>

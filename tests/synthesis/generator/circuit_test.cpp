@@ -245,8 +245,7 @@ TEST(Budget, CausesByHand) {
   EXPECT_NEAR(w3[0], 100.0 * 0.01 * 0.2887 * 1.05 * 1.05, 1e-9);
   EXPECT_NEAR(w3[1], 100.0 * 0.01 * 0.156 * 1.05 * 1.05, 1e-9);
   // The output amplifier's offset comes with its noise gain.
-  EXPECT_NEAR(cause(budget, "U3, offset")[0],
-              100.0 * 1e-3 * (1.0 + 1.0 / layout.branch_gain), 1e-9);
+  EXPECT_NEAR(cause(budget, "U3, offset")[0], 100.0 * 1e-3 * (1.0 + 1.0 / layout.branch_gain), 1e-9);
   EXPECT_GE(budget.worst_percent[0], budget.rss_percent[0]);
   // In Horner's scheme the last product's offset is 10 mV/branch_gain of d.
   options.scheme = Scheme::named("horner");

@@ -56,6 +56,10 @@ TEST(SignalStudy, RepetitionIsFoundOrNot) {
   const auto study = study_signals(r.u, r.u, 0.0, r.step_s, Hertz{3.0});
   EXPECT_NEAR(study.u.amplitude[3], 0.5, 1e-12);
   EXPECT_LT(*study.u_distortion_percent, 1e-9);
+  // Phases count from the record's own zero of time, whichever period is looked at.
+  const std::span<const double> shorter(r.u.data(), 2401);
+  const auto other = study_signals(shorter, shorter, 0.0, r.step_s, Hertz{3.0});
+  EXPECT_NEAR(std::remainder(other.u.phase_deg[3] - study.u.phase_deg[3], 360.0), 0.0, 1e-6);
 }
 
 TEST(Loop, PlayHasItsParallelogram) {

@@ -61,7 +61,6 @@ void make_up_for_sign(ChainPlan& plan, double gain) {
       plan.put_in_front(std::sqrt(gain), inverter());
       plan.put_in_front(std::sqrt(gain), inverter());
     }
-    return;
   }
   bool negative = gain < 0.0;
   for (const StageRealisation* form : plan.forms) negative = negative != form->inverts();

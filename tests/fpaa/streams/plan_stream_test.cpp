@@ -246,6 +246,10 @@ TEST(An231Plan, FirstPowerOnHasTheReadingsOfThisDesign) {
   EXPECT_THAT(text, HasSubstr("chip 1 IO3 to chip 2 IO1"));
   EXPECT_THAT(text, Not(HasSubstr("nan")));
   const std::complex<double> h = SwitchedBoard(plan).gain(Hertz{1.0}.rad_s());
+  EXPECT_THAT(text, HasSubstr("Test tone 0.5 V peak (differential; the first node clips at 3 V)"));
+  Plan early = plan;
+  early.max_input_v = 1.2;
+  EXPECT_THAT(first_power_on(early, streams), HasSubstr("Test tone 0.3 V"));
   EXPECT_THAT(text, HasSubstr("| 1 | " + std::to_string(20.0 * std::log10(std::abs(h))).substr(0, 4)));
 }
 

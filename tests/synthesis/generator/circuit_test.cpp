@@ -34,6 +34,7 @@ TEST(Layout, SeedPolynomialsShareTwoMultipliers) {
   const DisturbanceCircuit layout = make_layout(seed_disturbance());
   EXPECT_EQ(layout.multipliers.size(), 2u);
   EXPECT_LT(layout.max_error_percent, 0.04);
+  for (const Branch& b : layout.branches) EXPECT_GE(layout.max_error_percent, b.max_error_percent);
   for (const NodeRange& node : layout.nodes) {
     EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9) << node.name;
   }
@@ -179,6 +180,7 @@ TEST(Layout, AmplitudeGainsFollowTheirTable) {
   const DisturbanceCircuit layout = make_layout(d);
   ASSERT_TRUE(layout.amplitude.has_value());
   EXPECT_LT(layout.amplitude->max_error_percent, 0.15);
+  EXPECT_GT(layout.amplitude->max_error_percent, 0.01);  // values of a series
   const RestWiring wiring(layout);
   const AtRest rest(wiring, Deviations::none(layout));
   for (const double alpha : {0.05, 0.1, 0.3, 0.62, 0.9, 1.0}) {

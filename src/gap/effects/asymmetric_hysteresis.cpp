@@ -6,6 +6,7 @@
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/effects/plays.hpp"
+#include "gap/records/one_loop.hpp"
 #include "gap/search_options.hpp"
 
 namespace bodesmith::gap {
@@ -100,6 +101,8 @@ Proposal plays_and_dead_zones(const Scene& scene, std::size_t at) {
 void propose_asymmetric_hysteresis(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
     if (!(scene.boundary[at].span() > 0.0)) continue;
+    // One loop alone says nothing of smaller ones: fitted asymmetry would be that loop's shape.
+    if (is_one_loop(scene, at)) continue;
     out.push_back(branches(scene, at));
     out.push_back(plays_and_dead_zones(scene, at));
   }

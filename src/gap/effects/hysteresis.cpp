@@ -7,6 +7,7 @@
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/effects/plays.hpp"
+#include "gap/records/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -71,7 +72,7 @@ void propose_hysteresis(const Scene& scene, std::vector<Proposal>& out) {
     const double half = 0.5 * scene.boundary[at].span();
     if (!(half > 0.0)) continue;
     out.push_back(plays(scene, at, half));
-    out.push_back(two_plays(scene, at, half));
+    if (!is_one_loop(scene, at)) out.push_back(two_plays(scene, at, half));
     out.push_back(bouc_wen(scene, at, half, false));
     if (scene.residual.size() <= kMaxSamplesWithSharpness) out.push_back(bouc_wen(scene, at, half, true));
   }

@@ -152,6 +152,11 @@ schematic::Tolerances tolerances_from(const Node& node) {
   return out;
 }
 
+Json to_json(const schematic::Tolerances& tolerances) {
+  return {{"resistor_percent", tolerances.resistor_percent},
+          {"capacitor_percent", tolerances.capacitor_percent}};
+}
+
 Section section_from_node(const Node& node) {
   return {.gain = node.at("gain").number(),
           .zeros = roots_from(node.at("zeros_rad_s")),
@@ -257,8 +262,7 @@ Json to_json(const Realised& realised) {
                              {"realised", section_json(stage.realised)},
                              {"parts", parts}});
   }
-  out["tolerances"] = {{"resistor_percent", circuit.tolerances.resistor_percent},
-                       {"capacitor_percent", circuit.tolerances.capacitor_percent}};
+  out["tolerances"] = to_json(circuit.tolerances);
   out["opamps"] = circuit.opamps.size();
   out["opamp"] = {{"name", circuit.opamp.name},
                   {"gain_bandwidth_hz", circuit.opamp.gain_bandwidth.value},

@@ -24,6 +24,7 @@ struct CircuitFile {
 
 /// `resistor_percent` and `capacitor_percent`, each above 0 and below 100; what is not there is as usual.
 schematic::Tolerances tolerances_from(const Node& node);
+Json to_json(const schematic::Tolerances& tolerances);
 
 /// A transfer as circuit.json has it: `gain`, `zeros_rad_s`, `poles_rad_s`.
 Section section_from_node(const Node& node);

@@ -13,6 +13,7 @@
 #include "base/provenance.hpp"
 #include "base/text.hpp"
 #include "numeric/parallel_for.hpp"
+#include "synthesis/circuit_file.hpp"
 #include "tolerance/counts.hpp"
 #include "tolerance/judge.hpp"
 #include "tolerance/kernel.hpp"
@@ -264,9 +265,7 @@ Json table_json(const std::vector<Histogram>& all) {
 Json to_json(const Result& result, const Options& options) {
   Json out = {{"name", result.name},
               {"samples", result.samples},
-              {"tolerances",
-               {{"resistor_percent", options.spread.resistor_percent},
-                {"capacitor_percent", options.spread.capacitor_percent}}},
+              {"tolerances", synthesis::to_json(options.spread)},
               {"worst_db", Json::object()},
               {"worst_deg", Json::object()},
               {"worst_percent", Json::object()}};

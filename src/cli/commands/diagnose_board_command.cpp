@@ -69,23 +69,24 @@ faults::Measurement read_channels(const CommandLine& line, Provenance& from) {
   return out;
 }
 
+/// A circuit.json, or a netlist of such elements, whose parts nobody said anything of.
+schematic::Netlist read_circuit(const std::string& file, Provenance& from) {
+  if (is_own_document(file)) return synthesis::CircuitFile::from_node(read_document(file, from)).circuit;
+  schematic::Netlist out = read_netlist(file, from);
+  out.tolerances = faults::Spread();
+  return out;
+}
+
 /// `spread`: of the circuit's own tolerances, and what is asked for.
 std::unique_ptr<faults::Board> read_board(const CommandLine& line, faults::Spread& spread, Provenance& from) {
   if (line.has("circuit") == line.has("plan")) line.fail("expected either --circuit or --plan");
   if (line.has("plan")) {
     const fpaa::Plan plan = fpaa::Plan::read(line.get<std::string>("plan"), from);
-    spread = read_part_spread(line, spread);
+    spread = read_part_spread(line, faults::Spread());
     return std::make_unique<faults::PlanBoard>(plan, read_channels(line, from), spread);
   }
-  const std::string file = line.get<std::string>("circuit");
-  schematic::Netlist circuit;
-  if (is_own_document(file)) {
-    circuit = synthesis::CircuitFile::from_node(read_document(file, from)).circuit;
-    spread = faults::Spread(circuit.tolerances);
-  } else {
-    circuit = read_netlist(file, from);
-  }
-  spread = read_part_spread(line, spread);
+  const schematic::Netlist circuit = read_circuit(line.get<std::string>("circuit"), from);
+  spread = read_part_spread(line, faults::Spread(circuit.tolerances));
   return std::make_unique<faults::CircuitBoard>(circuit, read_channels(line, from), spread);
 }
 

@@ -312,10 +312,10 @@ tolerance::Options options_of(const CommandLine& line, tolerance::Options option
 /// The results of all designs, in their order; only the leader of the team has complete ones.
 std::vector<tolerance::Result> run_designs(const CommandLine& line,
                                            const std::vector<tolerance::Design>& designs,
-                                           const tolerance::Options& asked, const Team& team) {
+                                           const std::vector<tolerance::Options>& of_each, const Team& team) {
   std::vector<tolerance::Result> results;
   for (std::size_t i = 0; i < designs.size(); ++i) {
-    tolerance::Options options = options_of(line, asked, designs[i]);
+    tolerance::Options options = of_each[i];
     if (line.has("output"))
       options.checkpoint = line.output_path().string() + fmt::format(".checkpoint{}", i + 1);
     Progress progress("yield of " + designs[i].name);
@@ -362,17 +362,19 @@ int run_yield(const std::vector<std::string>& arguments) {
   for (const tolerance::Design& design : designs) plants.push_back(read_loop_plant(line, design, from));
   options.job = job_text(options, from);
 
+  std::vector<tolerance::Options> of_each;
+  for (const tolerance::Design& design : designs) of_each.push_back(options_of(line, options, design));
+
   const Stopwatch watch;
-  const std::vector<tolerance::Result> results = run_designs(line, designs, options, *team);
+  const std::vector<tolerance::Result> results = run_designs(line, designs, of_each, *team);
   if (!team->leads()) return kDone;
   Json json = json_header("yield", from);
-  json.update(settings_json(options_of(line, options, designs[0])));
+  json.update(settings_json(of_each[0]));
   std::string text;
   double min_yield = 100.0;
   for (std::size_t i = 0; i < designs.size(); ++i) {
     for (const std::string& one : designs[i].notes) note(one);
-    json["designs"].push_back(
-        design_json(line, designs[i], results[i], options_of(line, options, designs[i]), plants[i], text));
+    json["designs"].push_back(design_json(line, designs[i], results[i], of_each[i], plants[i], text));
     min_yield = std::min(min_yield, yield_percent(results[i]));
   }
   if (!nulls.empty()) {

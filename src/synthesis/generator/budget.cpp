@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "synthesis/generator/at_rest.hpp"
 #include "synthesis/generator/build.hpp"

@@ -234,7 +234,7 @@ std::string disturbance_library(const DisturbanceCircuit& layout, const std::str
   for (const std::string_view pin : split(pins, ' ')) top.pins.emplace_back(pin);
   top.netlist = layout.generator();
   schematic::Deviations off = schematic::Deviations::none(top.netlist);
-  if (multipliers_are_off) off.multiplier = multipliers_off(layout, {}).multiplier;
+  if (multipliers_are_off) off.multiplier = multipliers_off(layout).multiplier;
   out.subcircuits.push_back(std::move(top));
   if (layout.switched())
     out.subcircuits.push_back(

@@ -76,7 +76,7 @@ void check_static(const DisturbanceCircuit& layout, DisturbanceCheck& out) {
     for (const double alpha : swept_strokes(layout))
       compare(library, schematic::Deviations::none(layout), b, alpha, out.static_percent, predicted,
               out.static_against_program);
-    compare(spoilt, multipliers_off(layout, {}), b, layout.strokes().back(), out.off_percent,
+    compare(spoilt, multipliers_off(layout), b, layout.strokes().back(), out.off_percent,
             out.off_predicted_percent, out.off_against_program);
   }
 }

@@ -145,12 +145,12 @@ Copy copy_of(const DisturbanceCircuit& controller, const std::vector<Cause>& cau
   return out;
 }
 
-schematic::Deviations multipliers_off(const DisturbanceCircuit& layout, const PartErrors& errors) {
-  schematic::Deviations out = schematic::Deviations::none(layout);
-  for (MultiplierDeviation& one : out.multiplier)
-    one = {errors.multiplier_input_v, errors.multiplier_input_v, errors.multiplier_output_v,
-           errors.multiplier_scale_percent / 100.0, errors.multiplier_nonlinearity_percent / 100.0};
-  return out;
+schematic::Deviations multipliers_off(const DisturbanceCircuit& layout) {
+  Copy out = copy_of(layout, {}, {});
+  for (const Cause& cause : causes_of(layout, {})) {
+    if (cause.group.starts_with("multiplier")) cause.apply(out, cause.departure.deviation());
+  }
+  return out.off;
 }
 
 Json to_json(const PartErrors& errors) {

@@ -64,8 +64,8 @@ std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t 
 Copy copy_of(const DisturbanceCircuit& controller, const std::vector<Cause>& causes,
              const std::vector<double>& values);
 
-/// Every multiplier with all its departures at one standard deviation, upwards.
-schematic::Deviations multipliers_off(const DisturbanceCircuit& layout, const PartErrors& errors);
+/// Every multiplier with all its departures at one standard deviation of what is assumed, upwards.
+schematic::Deviations multipliers_off(const DisturbanceCircuit& layout);
 /// Every figure by its name.
 Json to_json(const PartErrors& errors);
 

@@ -62,7 +62,7 @@ SwitchFigures::Late late_figures(const DisturbanceCircuit& layout, Hertz f, doub
   const double period = 1.0 / f.value, lag = lag_s(layout);
   constexpr int kSteps = 4000;
   const RestWiring wiring(layout);
-  const schematic::Deviations good = schematic::Deviations::none(layout), limit = multipliers_off(layout, {});
+  const schematic::Deviations good = schematic::Deviations::none(layout), limit = multipliers_off(layout);
   for (int select = 0; select < (1 << layout.select_lines()); ++select) {
     const int up = layout.branch_at(select, true), down = layout.branch_at(select, false);
     if (up < 0) continue;

@@ -1,5 +1,6 @@
 #include "synthesis/generator/part_errors.hpp"
 
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::generator {

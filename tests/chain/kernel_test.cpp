@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <memory>
 
 #include "chain/inverse.hpp"
+#include "chain/opamp_poles.hpp"
 #include "chain/registry.hpp"
 
 namespace bodesmith::chain {
@@ -332,6 +334,160 @@ TEST(KernelLaws, LookingAheadIsBetweenTheSamples) {
   // An op-amp's rails are the limits of what it can make.
   WantedOutput beyond{0.0, 1e-3, {0.0, 1.0, 6.0, -4.0, 2.0}};
   EXPECT_EQ(opamp().inverse(beyond)->out_of_reach, (std::vector<std::size_t>{2, 3}));
+}
+
+/// Of whole arrays, of no multiple of the vectors' length too, a curve makes what it makes of each number.
+TEST(KernelLaws, CurvesOfArraysAreThoseOfTheirNumbers) {
+  for (const Block& block : {make_block("dead_zone").set("width", 0.6),
+                             make_block("saturation").set("lower", -0.7).set("upper", 1.1),
+                             make_block("polynomial").set("coefficients", List{0.1, 1.0, -0.4, 0.3})}) {
+    const Kernel made = block.kernel();
+    const CurveKernel& curve = *std::get<std::unique_ptr<CurveKernel>>(made);
+    List u, y(13, NAN);
+    for (int i = 0; i < 12; ++i) u.push_back(0.31 * (i - 5) + 0.01);
+    curve.values(u.data(), y.data(), u.size());
+    for (std::size_t i = 0; i < u.size(); ++i)
+      EXPECT_NEAR(y[i], curve.value(u[i]), 1e-15) << block.type_name();
+    curve.values(u.data(), y.data(), 7);
+    EXPECT_NEAR(y[6], curve.value(u[6]), 1e-15) << block.type_name();
+    EXPECT_TRUE(std::isnan(y[12])) << block.type_name();
+  }
+}
+
+TEST(KernelLaws, TheInverseOfABacklashGoesItsHalfWidthAhead) {
+  const Block block = make_block("backlash").set("width", 0.3);
+  const WantedOutput wanted{0.0, 0.01, {0.2, 0.2, 0.5, 0.9, 0.9, 0.4, -0.6, -0.5}};
+  const auto found = block.inverse(wanted);
+  ASSERT_TRUE(found);
+  Kernel made = block.kernel();
+  MemoryKernel& play = *std::get<std::unique_ptr<MemoryKernel>>(made);
+  EXPECT_EQ(play.reset(found->values[0], true), wanted.values[0]);
+  for (std::size_t i = 1; i < wanted.values.size(); ++i)
+    EXPECT_NEAR(play.step(found->values[i], 0.01), wanted.values[i], 1e-15) << i;
+  EXPECT_NEAR(play.reset(0.1, false), 0.0, 1e-15);  // within the play of 0
+  EXPECT_NEAR(play.reset(0.4, false), 0.25, 1e-15);
+}
+
+// y'' + 2 zeta w y' + w^2 (y + quadratic y^2 + cubic y^3) + drag w |y'| y' = gain w^2 u, solved for u.
+TEST(KernelLaws, TheInverseOfABentSpringIsItsForce) {
+  const double gain = 1.3, w = 2.0 * M_PI * 5.0, zeta = 0.4, quadratic = 0.3, cubic = 0.2, drag = 60.0;
+  const Block block = make_block("resonator")
+                          .set("gain", gain)
+                          .set("natural_frequency_hz", 5.0)
+                          .set("damping_ratio", zeta)
+                          .set("quadratic", quadratic)
+                          .set("cubic", cubic)
+                          .set("drag", drag);
+  WantedOutput wanted{0.0, 1e-3, {}};
+  wanted.smoothing = 1e-9;
+  const double turn = 2.0 * M_PI * 0.5;
+  for (int i = 0; i < 4000; ++i) wanted.values.push_back(0.5 * std::sin(turn * 1e-3 * i));
+  const auto found = block.inverse(wanted);
+  ASSERT_TRUE(found);
+  for (std::size_t i = 500; i < 3500; i += 50) {
+    const double t = 1e-3 * static_cast<double>(i), y = wanted.values[i];
+    const double rate = 0.5 * turn * std::cos(turn * t);
+    const double u = (-turn * turn * y / (w * w) + 2.0 * zeta * rate / w +
+                      y * (1.0 + y * (quadratic + y * cubic)) + drag * std::abs(rate) * rate / w) /
+                     gain;
+    EXPECT_NEAR(found->values[i], u, 1e-3) << t;
+  }
+  EXPECT_FALSE(Block(block).set("gain", 0.0).inverse(wanted));
+}
+
+/// Poles just inside the unit circle are taken, just outside refused, whatever the others are.
+TEST(KernelLaws, AClockedSectionsPolesAreInsideTheUnitCircle) {
+  for (const double angle : {0.0, 0.3, 1.4, 2.5, M_PI}) {
+    for (const double radius : {0.3, 0.98, 1.02}) {
+      for (const List& others : {List{1.0}, List{1.0, 0.6}, List{2.0, -0.7, 0.3, -0.05}}) {
+        const List pair = angle == 0.0 || angle == M_PI
+                              ? List{1.0, -radius * std::cos(angle)}
+                              : List{1.0, -2.0 * radius * std::cos(angle), radius * radius};
+        List product(pair.size() + others.size() - 1, 0.0);
+        for (std::size_t i = 0; i < pair.size(); ++i) {
+          for (std::size_t k = 0; k < others.size(); ++k) product[i + k] += pair[i] * others[k];
+        }
+        const Block block = make_block("switched_capacitor")
+                                .set("clock_hz", 1e4)
+                                .set("z_numerator", List{1.0})
+                                .set("z_denominator", product);
+        EXPECT_EQ(block.type().validate(block).empty(), radius < 1.0) << radius << " at " << angle;
+      }
+    }
+  }
+}
+
+// A sample held for a cycle T is the mean of u over [t - T, t]: sin(wT/2)/(wT/2), half a cycle late.
+TEST(KernelLaws, AHoldsResponseIsTheMeanOverItsCycle) {
+  const Block hold = make_block("sample_hold").set("clock_hz", 100.0);
+  const Block late = make_block("sample_hold").set("clock_hz", 100.0).set("half_cycle", 1.0);
+  for (const double f : {0.0, 7.0, 50.0, 100.0, 130.0}) {
+    const Complex s(0.0, 2.0 * M_PI * f);
+    const Complex mean = f == 0.0 ? 1.0 : (1.0 - std::exp(-s * 0.01)) / (s * 0.01);
+    EXPECT_LT(std::abs(*hold.response({s.imag()}) - mean), 1e-14) << f;
+    EXPECT_LT(std::abs(*late.response({s.imag()}) - mean * std::exp(-0.005 * s)), 1e-14) << f;
+  }
+}
+
+// What the poles are the roots of: P + s D per_hz/(2 pi), P of the section, D = d0 + d1 s/w + d2 (s/w)^2.
+TEST(OpampPoles, AreTheRootsOfTheirPolynomial) {
+  const std::vector<Block> sections = {
+      make_block("gain").set("gain", 2.0), make_block("pole_zero").set("zero_hz", 30.0).set("pole_hz", 200.0),
+      make_block("resonator").set("natural_frequency_hz", 200.0).set("damping_ratio", 0.2),
+      make_block("resonator").set("natural_frequency_hz", 200.0).set("damping_ratio", 6.0)};
+  for (const Block& section : sections) {
+    for (const double per_hz : {1e-7, 3e-4, 2e-2}) {
+      const double d[3] = {2.0, 3.5, 1.5};
+      const OpampPoles poles = opamp_poles(section, d, per_hz);
+      const int order = corner_of(section).empty() ? 0 : section.has("damping_ratio") ? 2 : 1;
+      EXPECT_EQ(poles.last.has_value(), order != 1);
+      EXPECT_EQ(poles.natural_frequency_hz > 0.0, order > 0);
+      for (const Complex s : {Complex(0.0, 100.0), Complex(30.0, 2e3), Complex(-500.0, 9e3)}) {
+        const Complex x = s / (2.0 * M_PI * 200.0);
+        const Complex p = order == 0   ? 1.0
+                          : order == 1 ? 1.0 + x
+                                       : 1.0 + 2.0 * section.get("damping_ratio") * x + x * x;
+        const Complex wanted =
+            p + s / (2.0 * M_PI) * per_hz *
+                    (d[0] + (order > 0 ? d[1] * x : 0.0) + (order > 1 ? d[2] * x * x : 0.0));
+        Complex made = poles.last ? 1.0 + s / poles.last->rad_s().value : 1.0;
+        if (order > 0) {
+          const Complex y = s / (2.0 * M_PI * poles.natural_frequency_hz);
+          made *= 1.0 + 2.0 * poles.damping_ratio * y + y * y;
+        }
+        EXPECT_LT(std::abs(made / wanted - 1.0), 1e-9) << section.type_name() << " " << per_hz;
+      }
+      if (order == 2 && poles.damping_ratio > 1.0) {  // of three real ones the last is the fastest
+        const double fast = poles.damping_ratio + std::sqrt(poles.damping_ratio * poles.damping_ratio - 1.0);
+        EXPECT_GE(poles.last->value * (1.0 + 1e-9), fast * poles.natural_frequency_hz);
+      }
+    }
+  }
+}
+
+TEST(LinearKernels, InSeriesAreTheProductAndDelaysAdd) {
+  LinearKernel first = pole_zero_kernel(2.0, 30.0, 100.0), second = pole_zero_kernel(-0.5, INFINITY, 7.0);
+  first.delay_s = 1e-3;
+  first.approximation_error = 1e-6;
+  second.delay_s = 2e-3;
+  second.approximation_error = 2e-6;
+  const LinearKernel both = in_series(first, second);
+  EXPECT_NEAR(both.delay_s, 3e-3, 1e-18);
+  EXPECT_NEAR(both.approximation_error, 3e-6, 1e-18);
+  const Complex s(0.0, 40.0);
+  const Complex wanted =
+      2.0 * (1.0 + s / 30.0) / (1.0 + s / 100.0) * -0.5 / (1.0 + s / 7.0) * std::exp(-3e-3 * s);
+  EXPECT_LT(std::abs(response(both, s) - wanted), 1e-14);
+}
+
+TEST(FractionalBlock, IsItsPowerOnTheAxisAndBesideIt) {
+  const Block block = make_block("fractional_lead_lag").set("lambda_s", 0.2).set("x", 0.05).set("beta", 0.37);
+  EXPECT_NEAR(block.transfer({3.0, 0.0})->real(), std::pow(1.6 / 1.03, 0.37), 1e-14);
+  for (const double w : {0.1, 5.0, 300.0}) {
+    const Complex wanted = std::pow((1.0 + Complex(0.0, 0.2 * w)) / (1.0 + Complex(0.0, 0.01 * w)), 0.37);
+    EXPECT_LT(std::abs(*block.response({w}) - wanted), 1e-13) << w;
+    EXPECT_LT(std::abs(*block.transfer({0.0, w}) - wanted), 1e-13) << w;
+  }
 }
 
 }  // namespace

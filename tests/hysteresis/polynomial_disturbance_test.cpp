@@ -36,6 +36,66 @@ TEST(Polynomial, ContractBlockIsTheSignOfTheSlopeAlone) {
   EXPECT_DOUBLE_EQ(op->step(0.2, 1.0), 0.2 + cubic(kDescending, 0.2));  // at rest the branch stays
 }
 
+/// The branch turns a fixed time after the input does, each turn by itself, and peek() is what step() will say.
+TEST(Polynomial, ALateSwitchFollowsEachTurnItsDelayLater) {
+  for (const double delay : {1e-5, 3.5e-3, 40.5e-3}) {
+    PolynomialDisturbance model;
+    model.ascending.polynomial = kAscending;
+    model.descending.polynomial = kDescending;
+    model.switch_delay_s = delay;
+    PolynomialOperator late(model);
+    late.reset(0.5);
+    const double dt = 1e-3;
+    std::vector<bool> rising{true};
+    double u = 0.5;
+    std::uint32_t state = 7;
+    for (int k = 1; k < 400; ++k) {
+      // Turns at random, then at every sample (more than are kept), then none.
+      state = state * 1664525u + 1013904223u;
+      const bool up = k < 200   ? ((state >> 28) == 0 ? !rising.back() : rising.back())
+                      : k < 300 ? !rising.back()
+                                : false;
+      u += up ? 1e-3 : -1e-3;
+      rising.push_back(up);
+      bool branch = true;
+      for (std::size_t i = 1; i < rising.size(); ++i) {
+        if (rising[i] != rising[i - 1] && static_cast<double>(rising.size() - i) * dt >= delay)
+          branch = rising[i];
+      }
+      const double ahead = late.peek(u, dt);
+      const double y = late.step(u, dt);
+      EXPECT_EQ(y, ahead) << k;
+      const bool told = k < 200 || k > 345;
+      EXPECT_EQ(y, told ? model.plain(branch, u) : y) << k << " " << delay;
+    }
+  }
+}
+
+TEST(Polynomial, BranchesArePolynomialsOfTheInputAtAnyStroke) {
+  Parameters values;
+  values.set("ascending", std::vector<double>(kAscending.begin(), kAscending.end()));
+  values.set("descending", std::vector<double>(kDescending.begin(), kDescending.end()));
+  values.set("minor", "slope_sign");
+  values.set("amplitude", 0.7);
+  values.set("switch_delay_s", 2e-3);
+  values.set("constant_ascending", 0.01);
+  values.set("constant_descending", -0.02);
+  const Model model = make_model("polynomial_hysteresis", values);
+  const auto curves = model.type->branch_curves(model.parameters);
+  ASSERT_TRUE(curves);
+  EXPECT_EQ(curves->switch_delay_s, 2e-3);
+  for (double u = -0.3; u < 1.2; u += 0.1) {
+    for (const bool rising : {true, false}) {
+      const auto& c = rising ? curves->rising : curves->falling;
+      ASSERT_EQ(c.size(), 4u);
+      const double wanted =
+          u + (rising ? 0.01 : -0.02) + 0.7 * cubic(rising ? kAscending : kDescending, u / 0.7);
+      EXPECT_NEAR(c[0] + u * (c[1] + u * (c[2] + u * c[3])), wanted, 1e-14) << u;
+      EXPECT_NEAR(curves->curve(rising, u), wanted, 1e-14) << u;
+    }
+  }
+}
+
 // Without gains of its own a stroke of another size is the full one in another unit, its inverse too: beyond what a branch reaches it
 // ends where the branch no longer rises.
 TEST(Polynomial, AStrokeOfAnotherSizeIsTheFullOneInAnotherUnit) {
@@ -55,6 +115,11 @@ TEST(Polynomial, AStrokeOfAnotherSizeIsTheFullOneInAnotherUnit) {
         EXPECT_NEAR(full.input_on(rising, full.plain(rising, x)), x, 1e-9);
     }
   }
+  // 1.9 - 1.8 s = 0.
+  PolynomialDisturbance square;
+  square.ascending.polynomial = {0.9, -0.9, 0.0};
+  EXPECT_NEAR(square.input_on(true, 2.0), 1.9 / 1.8, 1e-6);
+  EXPECT_NEAR(square.input_on(true, square.plain(true, -3.0)), -3.0, 1e-9);
   // 1.2 + .6 s - 1.5 s^2 = 0.
   const double turn = (0.6 + std::sqrt(0.36 + 4.0 * 1.5 * 1.2)) / 3.0;
   EXPECT_NEAR(full.input_on(true, 2.0 * full.plain(true, turn)), turn, 1e-6);

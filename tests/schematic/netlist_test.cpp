@@ -10,9 +10,11 @@
 #include "base/error.hpp"
 #include "numeric/random.hpp"
 #include "schematic/analysis/in_time.hpp"
+#include "schematic/analysis/operating_point.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/analysis/rest_point.hpp"
 #include "schematic/netlist.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "schematic/ngspice/plain_netlist.hpp"
 #include "schematic/series_parallel.hpp"
 #include "schematic/writers/spice_library.hpp"
@@ -279,6 +281,35 @@ TEST(RestPoint, DiodesConductOneWayAndContactsWhereTheyStand) {
   EXPECT_NEAR(at(2.0, 1, "c"), at(2.0, 1, "b"), 1e-5);
 }
 
+// An inverting half-wave rectifier: y = -u R2/R1 where u > 0, else 0, whichever diode conducted before.
+TEST(RestPoint, AnOpAmpsDiodesRectify) {
+  Netlist n;
+  n.parts = {ohms("R1", "in", "m", 1e4), ohms("R2", "m", "y", 2.5e4), diode("D1", "y", "u"),
+             diode("D2", "u", "m")};
+  n.opamps = {{"U1", "", 0, "0", "m", "u"}};
+  const RestOrder order(n, {"in"});
+  RestPoint rest(order, Deviations::none(n));
+  for (const double u : {1.0, -2.0, -0.1, 0.3, 4.0, -4.0}) {
+    rest.set(order.node("in"), u);
+    rest.settle(0);
+    EXPECT_NEAR(rest.volts("y"), u > 0.0 ? -2.5 * u : 0.0, 1e-9) << u;
+    EXPECT_NEAR(rest.volts("m"), 0.0, 1e-12) << u;
+    const auto all = operating_point(n, {{"in", u}}, 0, Deviations::none(n), {{"y", u > 0.0 ? -u : 0.0}});
+    EXPECT_NEAR(all.at("y"), rest.volts("y"), 1e-9) << u;
+  }
+}
+
+// Vos (1 + R2/R1) + Ib (R2 + Rp (1 + R2/R1)), the currents of both inputs at their worst.
+TEST(Offset, OfAnInvertingAmplifierByHand) {
+  Netlist n;
+  n.parts = {ohms("R1", "in", "m", 1e4), ohms("R2", "m", "out", 9e4), ohms("Rp", "p", "0", 5e3)};
+  n.opamps = {{"U1", "", 0, "p", "m", "out"}};
+  n.opamp = OpAmpModel::one_pole(Hertz{1e6}, 1e9);
+  n.opamp.offset_v = 2e-3;
+  n.opamp.bias_current_a = 1e-7;
+  EXPECT_NEAR(worst_output_offset(n), 2e-3 * 10.0 + 1e-7 * (9e4 + 5e3 * 10.0), 1e-8);
+}
+
 TEST(SwitchTimer, CrossesItsLevelAfterBothDelays) {
   SwitchModel model;
   const SwitchTimer timer = SwitchTimer::of(model);
@@ -398,6 +429,79 @@ TEST(SpiceLibrary, ReadBackItIsTheSameCircuitAndTheSameBytes) {
   EXPECT_EQ(back.sources[0].volts, 0.25);
   EXPECT_NEAR(back.multiplier.scale_v, 1.05, 1e-12);
   EXPECT_THROW(read.subcircuit("nothing"), InputError);
+}
+
+TEST(SpiceLibrary, ASwitchedCapacitorIsReadBackAndItsPhasesNeverMeet) {
+  Netlist n;
+  n.clock_phases = {{"VP1", "a", Hertz{1e5}, 1, 0.02}, {"VP2", "b", Hertz{1e5}, 2, 0.02}};
+  n.contacts = {{"S1", 0, "in", "c", "a", 0}, {"S2", 0, "c", "m", "b", 1}};
+  n.parts = {farads("C1", "c", "0", 1e-12), farads("C2", "m", "out", 1e-11)};
+  n.opamps = {{"U1", "", 0, "0", "m", "out"}};
+  n.expressions = {{"B1", "e", "2*v(c)+1"}};
+  n.analog_switch = SwitchModel::plain(2e3, 1e-12);
+  n.opamp = OpAmpModel::one_pole(Hertz{50e6}, 1e5);
+  SpiceLibrary library;
+  library.title = "an integrator";
+  library.top = "all";
+  library.subcircuits = {{"all", {"in", "out", "a", "b"}, {}, n}};
+  const std::string text = spice_text(library);
+  const Netlist back = read_spice(text, "all.sub").subcircuit("all").netlist;
+  ASSERT_EQ(back.clock_phases.size(), 2u);
+  for (std::size_t i : {0u, 1u}) {
+    EXPECT_EQ(back.clock_phases[i].node, n.clock_phases[i].node);
+    EXPECT_EQ(back.clock_phases[i].phase, n.clock_phases[i].phase);
+    EXPECT_NEAR(back.clock_phases[i].frequency.value, 1e5, 1e-6);
+    EXPECT_NEAR(back.clock_phases[i].gap, 0.02, 1e-12);
+  }
+  EXPECT_EQ(back.expressions.at(0).volts, "2*v(c)+1");
+  EXPECT_NEAR(back.analog_switch.on_ohm, 2e3, 1e-9);
+  EXPECT_NEAR(back.analog_switch.off_siemens, 1e-12, 1e-20);
+  EXPECT_NEAR(back.opamp.gain_bandwidth.value, 50e6, 1.0);
+  EXPECT_NEAR(back.opamp.dc_gain, 1e5, 1e-4);
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
+  const auto run =
+      ngspice::run_transient("t\n" + text + "V1 in 0 1\nX1 in out a b all\n", {"a", "b"}, 2e-8, 2e-5, "t");
+  const auto inside = [](double t, double begin) {  // of a phase that begins at .0 or .5 of a period
+    const double at = t / 1e-5 - begin;
+    const double part = at - std::floor(at);
+    return part < 0.5;
+  };
+  int full[2] = {0, 0};
+  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+    EXPECT_LT(std::min(run.v[0][i], run.v[1][i]), 1e-9) << run.time_s[i];
+    for (std::size_t k : {0u, 1u}) {
+      full[k] += run.v[k][i] > 0.999 ? 1 : 0;
+      EXPECT_TRUE(run.v[k][i] < 0.999 || inside(run.time_s[i], k == 0 ? 0.0 : 0.5)) << run.time_s[i];
+    }
+  }
+  EXPECT_GT(full[0], 450);
+  EXPECT_GT(full[1], 450);
+}
+
+// A deck's pins become "in" and "out" in every kind of element; what was called so becomes another node.
+TEST(SpiceLibrary, PinsOfATwoPortAreRenamedEverywhere) {
+  Netlist n;
+  n.groups = {{"all", Purpose::stage}};
+  n.parts = {ohms("R1", "p", "in", 1e3), ohms("R2", "in", "q", 1e3)};
+  n.opamps = {{"U1", "", 0, "p", "in", "q"}};
+  n.multipliers = {{"M1", "", 0, "p", "q", "in", "w", 0.0}};
+  n.contacts = {{"S1", 0, "p", "q", "in", 0}};
+  n.sources = {{"V1", "", "in", 0.25}};
+  n.comparators = {{0, "p", "q", 1.0, 0.0}};
+  n.gates = {{0, "q", {"p", "in"}, {"q"}}};
+  SpiceLibrary library;
+  library.subcircuits = {{"top", {"p", "q"}, {}, n}};
+  const Netlist made = library.two_port("top");
+  EXPECT_EQ(made.parts[0].from + " " + made.parts[0].to + " " + made.parts[1].to, "in in_ out");
+  EXPECT_EQ(made.opamps[0].plus + " " + made.opamps[0].minus + " " + made.opamps[0].out, "in in_ out");
+  const Multiplier& m = made.multipliers[0];
+  EXPECT_EQ(m.x + " " + m.y + " " + m.z + " " + m.out, "in out in_ w");
+  EXPECT_EQ(made.contacts[0].from + " " + made.contacts[0].to + " " + made.contacts[0].control, "in out in_");
+  EXPECT_EQ(made.sources[0].node, "in_");
+  EXPECT_EQ(made.comparators[0].in + " " + made.comparators[0].out, "in out");
+  EXPECT_EQ(made.gates[0].out + " " + made.gates[0].high[0] + " " + made.gates[0].high[1] + " " +
+                made.gates[0].low[0],
+            "out in in_ out");
 }
 
 /// The first number after a word.

@@ -6,13 +6,11 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "base/files.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/opamp_library.hpp"
 #include "seed_sections.hpp"
 #include "synthesis/opamp_check.hpp"
 #include "synthesis/realise.hpp"
-#include "temporary_folder.hpp"
 
 namespace bodesmith::synthesis {
 namespace {
@@ -193,33 +191,6 @@ TEST(OpAmpCheck, TheHardestResonanceAsksForAHundredTimesItsFrequency) {
   };
   EXPECT_EQ(asks(0.62e6), "");
   EXPECT_NE(asks(0.58e6).find("Q = 2"), std::string::npos) << asks(0.58e6);
-}
-
-TEST(OpAmpLibrary, BuiltInTypesAreSane) {
-  const OpAmpLibrary library = OpAmpLibrary::built_in();
-  EXPECT_GE(library.types().size(), 8u);
-  EXPECT_GT(library.named("OPA2140").gain_bandwidth, library.named("TL072").gain_bandwidth);
-  EXPECT_THROW(library.named("uA709"), InputError);
-}
-
-TEST(OpAmpLibrary, ReadsAUsersListAndNamesTheLineOfAMistake) {
-  const TemporaryFolder folder;
-  write_file(folder / "own.toml",
-             "schema = \"bodesmith.opamps/1\"\n[[opamp]]\nname = \"mine\"\ngain_bandwidth_hz = "
-             "5e6\nslew_v_per_s = 1e6\n");
-  Provenance from;
-  EXPECT_EQ(OpAmpLibrary::read(folder / "own.toml", from).named("mine").gain_bandwidth.value, 5e6);
-  for (const std::string& wrong :
-       {std::string("gain_bandwith_hz = 5e6"), std::string("gain_bandwidth_hz = -1")}) {
-    write_file(folder / "wrong.toml", "schema = \"bodesmith.opamps/1\"\n[[opamp]]\nname = \"mine\"\n" +
-                                          wrong + "\nslew_v_per_s = 1e6\n");
-    try {
-      OpAmpLibrary::read(folder / "wrong.toml", from);
-      FAIL() << wrong;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("wrong.toml:"), std::string::npos) << error.what();
-    }
-  }
 }
 
 TEST(OpAmpCheck, WarnsWithNumbers) {

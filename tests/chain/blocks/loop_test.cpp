@@ -90,6 +90,19 @@ TEST(PartChange, IsExactForAnyValueOfAResistor) {
     const Block good = make_block("gain").set("gain", at(0.0));
     for (const double percent : {-60.0, -5.0, 0.0, 8.0, 300.0})
       EXPECT_NEAR(good.with(change, percent).get("gain"), at(percent), 1e-12);
+    // The same from blocks; what does not move, or by rounding only, has no entry.
+    PartChange same{"R", "percent", 1.0, {}};
+    const auto block = [&](double percent) {
+      return make_block("resonator")
+          .set("gain", at(percent))
+          .set("natural_frequency_hz", 100.0 * (1.0 + 1e-13 * percent))
+          .set("damping_ratio", 0.5);
+    };
+    same.add_differences(block(0.0), 5.0, block(5.0), block(-5.0));
+    ASSERT_EQ(same.entries.size(), 1u);
+    EXPECT_EQ(same.entries[0].parameter, "gain");
+    EXPECT_NEAR(same.entries[0].slope, change.entries[0].slope, 1e-15);
+    EXPECT_NEAR(same.entries[0].bend, change.entries[0].bend, 1e-15);
   }
   // What moves to one side only (a square) has no such form: the line is taken.
   PartChange square{"M", "v", 1.0, {}};

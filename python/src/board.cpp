@@ -72,7 +72,7 @@ Answer trim_plan(const Call& call) {
                 "seed", "unit_capacitor_percent", "systematic_units"});
   const fpaa::Plan plan = fpaa::Plan::from_node(o.at("plan"));
   fpaa::TrimOptions options;
-  options.mismatch = mismatch_of(o);
+  options.mismatch = fpaa::MismatchModel::from_node(o, plan.mismatch);
   options.seed = seed_of(o);
   options.samples = integer_or(o, "samples", options.samples, 20, 100000);
   options.band = maybe_band(o);

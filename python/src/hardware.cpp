@@ -32,7 +32,7 @@ fpaa::PlanOptions plan_options(const Node& o) {
   if (const auto clock = maybe_positive(o, "clock_hz")) out.clock = Hertz{*clock};
   if (const auto clock = maybe_positive(o, "min_clock_hz")) out.lowest_clock = Hertz{*clock};
   out.band = maybe_band(o);
-  out.assumptions.mismatch = mismatch_of(o);
+  out.assumptions.mismatch = fpaa::MismatchModel::from_node(o, {});
   out.assumptions.noise.unit_capacitance_f =
       positive_or(o, "unit_capacitance_f", out.assumptions.noise.unit_capacitance_f);
   out.assumptions.seed = seed_of(o);

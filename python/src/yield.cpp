@@ -12,14 +12,14 @@
 namespace bodesmith::python {
 namespace {
 
-tolerance::Spread spread_of(const Node& o) {
+tolerance::Spread spread_of(const Node& o, const tolerance::Design& design) {
   using Kind = tolerance::Spread::Kind;
-  tolerance::Spread out;
+  tolerance::Spread out(design);
   out.kind = choice(o, "distribution", {Kind::uniform, Kind::gaussian, Kind::corners});
   out.sigmas = positive_or(o, "sigmas", out.sigmas);
   out.resistor_percent = o.number_or("resistor_percent", out.resistor_percent);
   out.capacitor_percent = o.number_or("capacitor_percent", out.capacitor_percent);
-  out.mismatch = mismatch_of(o);
+  out.mismatch = fpaa::MismatchModel::from_node(o, out.mismatch);
   if (o.has("temperature_c")) {
     const std::vector<double> range = o.at("temperature_c").numbers();
     if (range.size() != 2) o.at("temperature_c").fail("has not two values, expected (low, high)");
@@ -74,7 +74,6 @@ Answer yield_of(const Call& call) {
                 "count",
                 "band_hz"});
   tolerance::Options options;
-  options.spread = spread_of(o);
   options.samples =
       static_cast<std::uint64_t>(o.has("samples") ? o.at("samples").integer(1, 1'000'000'000'000) : 100'000);
   options.seed = seed_of(o);
@@ -95,6 +94,7 @@ Answer yield_of(const Call& call) {
   tolerance::leave_out_nulls(designs, options.grid);
 
   const Stopwatch watch;
+  options.spread = spread_of(o, designs[0]);
   Json body = {{"distribution", to_string(options.spread.kind)},
                {"seed", options.seed},
                {"resistor_percent", options.spread.resistor_percent},
@@ -104,6 +104,7 @@ Answer yield_of(const Call& call) {
   const Team alone;
   for (const tolerance::Design& design : designs) {
     Progress progress("yield of " + design.name);
+    options.spread = spread_of(o, design);
     options.progress = [&progress](double fraction) { progress.at(fraction); };
     const tolerance::Result result = tolerance::run_monte_carlo(design, options, alone);
     Json one = to_json(result, options);

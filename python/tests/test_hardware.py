@@ -77,6 +77,15 @@ def test_yield_of_a_circuit_as_it_was_built(sections, program, tmp_path):
     assert "in 95 of 100" in repr(statistics)
 
 
+def test_yield_draws_what_the_design_states(sections, plan, tmp_path):
+    circuit = bs.spice(sections).to_dict() | {"tolerances": {"resistor_percent": 0.5, "capacitor_percent": 2.0}}
+    (tmp_path / "circuit.json").write_text(json.dumps(circuit))
+    stated = bs.yield_(bs.Circuit.load(tmp_path / "circuit.json"), samples=50).to_dict()
+    assert (stated["resistor_percent"], stated["capacitor_percent"]) == (0.5, 2.0)
+    assert bs.yield_(plan, samples=50).to_dict()["unit_capacitor_percent"] == plan.to_dict()["mismatch"]["unit_capacitor_percent"]
+    assert bs.yield_(plan, samples=50, unit_capacitor_percent=1.5).to_dict()["unit_capacitor_percent"] == 1.5
+
+
 def test_delay_is_left_out_and_said():
     with pytest.warns(bs.BodesmithWarning, match="delay"):
         circuit = bs.spice(bs.Sections([(10.0, [], [-10.0])], delay_s=1e-3))

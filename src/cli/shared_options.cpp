@@ -55,6 +55,26 @@ void add_parts_options(CommandLine& line) {
   line.option<std::string>("opamp-library", "a TOML list of op-amps of your own");
 }
 
+void add_tolerance_options(CommandLine& line, schematic::Tolerances otherwise) {
+  line.option<double>("resistor-percent",
+                      fmt::format("tolerance of the resistors (default: circuit.json's, else {})",
+                                  otherwise.resistor_percent));
+  line.option<double>("capacitor-percent",
+                      fmt::format("tolerance of the capacitors (default: circuit.json's, else {})",
+                                  otherwise.capacitor_percent));
+}
+
+schematic::Tolerances read_tolerances(const CommandLine& line, schematic::Tolerances out) {
+  out.resistor_percent = line.maybe<double>("resistor-percent").value_or(out.resistor_percent);
+  out.capacitor_percent = line.maybe<double>("capacitor-percent").value_or(out.capacitor_percent);
+  for (const double percent : {out.resistor_percent, out.capacitor_percent}) {
+    if (!(percent >= 0.0) || percent >= 100.0)
+      line.fail(
+          fmt::format("a tolerance of {} % was asked for, expected 0 or more and less than 100", percent));
+  }
+  return out;
+}
+
 namespace {
 
 schematic::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from) {
@@ -125,17 +145,19 @@ void require_ngspice_for_check(const CommandLine& line) {
 
 void add_mismatch_options(CommandLine& line) {
   const fpaa::MismatchModel m;
-  line.option<double>("unit-capacitor-percent",
-                      "FPAA, an assumption: standard deviation of one unit; n units have 1/sqrt(n) of it",
-                      m.unit_percent);
-  line.option<double>("systematic-units", "FPAA, an assumption: excess of every capacitor, in units (wiring)",
-                      m.systematic_units);
+  line.option<double>(
+      "unit-capacitor-percent",
+      fmt::format("FPAA, an assumption: standard deviation of one unit; n units have 1/sqrt(n) of it "
+                  "(default: the plan's, else {})",
+                  m.unit_percent));
+  line.option<double>("systematic-units",
+                      "FPAA, an assumption: excess of every capacitor, in units, of wiring "
+                      "(default: the plan's, else 0)");
 }
 
-fpaa::MismatchModel read_mismatch(const CommandLine& line) {
-  fpaa::MismatchModel out;
-  out.unit_percent = line.get<double>("unit-capacitor-percent");
-  out.systematic_units = line.get<double>("systematic-units");
+fpaa::MismatchModel read_mismatch(const CommandLine& line, fpaa::MismatchModel out) {
+  out.unit_percent = line.maybe<double>("unit-capacitor-percent").value_or(out.unit_percent);
+  out.systematic_units = line.maybe<double>("systematic-units").value_or(out.systematic_units);
   if (!(out.unit_percent >= 0.0) || !(out.unit_percent < 100.0)) {
     line.fail(fmt::format("--unit-capacitor-percent is {}, expected 0 or more and less than 100",
                           out.unit_percent));

@@ -24,6 +24,11 @@ synthesis::RealiseOptions read_circuit_options(const CommandLine& line);
 void add_parts_options(CommandLine& line);
 /// Those and add_circuit_options' together.
 synthesis::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from);
+/// --resistor-percent and --capacitor-percent; `otherwise`: of what says nothing of them.
+void add_tolerance_options(CommandLine& line, schematic::Tolerances otherwise = {});
+/// `otherwise`: the circuit's own.
+schematic::Tolerances read_tolerances(const CommandLine& line, schematic::Tolerances otherwise);
+
 /// The realisation asked for, or (none asked for) the first that is worth building.
 synthesis::BuildChoice design_circuit(const CommandLine& line, const Sections& sections,
                                       const synthesis::RealiseOptions& options, Provenance& from,
@@ -34,9 +39,10 @@ void add_check_option(CommandLine& line, const std::string& what);
 /// Fails when --check was given and ngspice is not installed.
 void require_ngspice_for_check(const CommandLine& line);
 
-/// --unit-capacitor-percent and --systematic-units, which `fpaa`, `yield` and `fpaa trim` share.
+/// --unit-capacitor-percent and --systematic-units, which all share that speak of built FPAA boards.
 void add_mismatch_options(CommandLine& line);
-fpaa::MismatchModel read_mismatch(const CommandLine& line);
+/// `otherwise`: the plan's own.
+fpaa::MismatchModel read_mismatch(const CommandLine& line, fpaa::MismatchModel otherwise);
 
 /// --opamp-bandwidth-hz and --opamp-gain.
 void add_opamp_options(CommandLine& line);

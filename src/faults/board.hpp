@@ -7,6 +7,7 @@
 
 #include "faults/fault.hpp"
 #include "faults/measurement.hpp"
+#include "fpaa/device/mismatch.hpp"
 #include "schematic/netlist.hpp"
 
 namespace bodesmith::faults {
@@ -15,9 +16,9 @@ namespace bodesmith::faults {
 struct Spread : schematic::Tolerances {
   explicit Spread(const schematic::Tolerances& parts = {.resistor_percent = 1.0, .capacitor_percent = 1.0})
       : Tolerances(parts) {}
-  double opamp_percent = 30.0;          ///< standard deviation of gain-bandwidth and output resistance
-  double stray_f = 3e-12;               ///< standard deviation of the stray capacitance at a node
-  double unit_capacitor_percent = 0.5;  ///< FPAA: MismatchModel::unit_percent
+  double opamp_percent = 30.0;   ///< standard deviation of gain-bandwidth and output resistance
+  double stray_f = 3e-12;        ///< standard deviation of the stray capacitance at a node
+  fpaa::MismatchModel mismatch;  ///< of an FPAA's capacitors
 };
 
 /// What a board with certain faults would show: H at every measured point (channels one behind the other), and how

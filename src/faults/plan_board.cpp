@@ -8,7 +8,7 @@
 namespace bodesmith::faults {
 
 PlanBoard::PlanBoard(const fpaa::Plan& plan, Measurement measured, const Spread& spread)
-    : Board(std::move(measured)), plan_(plan) {
+    : Board(std::move(measured)), plan_(plan), mismatch_(spread.mismatch) {
   for (const Channel& channel : this->measured().channels) {
     if (channel.node != "out")
       throw InputError(
@@ -19,9 +19,7 @@ PlanBoard::PlanBoard(const fpaa::Plan& plan, Measurement measured, const Spread&
   drawn_ = std::make_unique<fpaa::DrawnBoard>(plan_, grid_);
   for (std::size_t n = 0; n < graph().nodes.size(); ++n)
     cam_of_.insert(cam_of_.end(), graph().nodes[n].cam->capacitors.size(), n);
-  fpaa::MismatchModel mismatch;
-  mismatch.unit_percent = spread.unit_capacitor_percent;
-  for (const double n : units()) sigma_.push_back(n > 0.0 ? mismatch.relative_sigma(n) : 0.0);
+  for (const double n : units()) sigma_.push_back(mismatch_.relative_sigma(n));
   set_good(response({}));
   const auto sensitivities = drawn_->sensitivities(drawn_->nominal_units());
   slopes_.resize(eigen_index(grid_.size()), eigen_index(sigma_.size()));
@@ -55,6 +53,7 @@ bool PlanBoard::can_run(const Effect& effect) const {
 Eigen::VectorXcd PlanBoard::response(const Effect& effect) const {
   std::vector<double> units = drawn_->nominal_units();
   for (const auto& [capacitor, value] : effect.units) units[capacitor] = value;
+  for (double& n : units) n = mismatch_.drawn(n, 0.0);
   std::vector<Complex> got;
   if (effect.clocks.empty()) {
     got = drawn_->response(units);

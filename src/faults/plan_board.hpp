@@ -37,6 +37,7 @@ class PlanBoard : public Board {
   fpaa::Plan with_clocks(const Effect& effect) const;
 
   fpaa::Plan plan_;
+  fpaa::MismatchModel mismatch_;
   std::vector<Hertz> grid_;
   std::unique_ptr<fpaa::DrawnBoard> drawn_;
   std::vector<std::size_t> cam_of_;

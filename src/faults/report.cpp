@@ -11,6 +11,7 @@
 #include "numeric/index.hpp"
 #include "report/page.hpp"
 #include "report/plot.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::faults {
 namespace {
@@ -186,11 +187,9 @@ Json to_json(const Diagnosis& d, const Board& board, const Spread& spread, const
                                {"points", channel.measured_points},
                                {"points_used", channel.grid.size()},
                                {"phase", !channel.phase_rad.empty()}});
-  out["tolerances"] = {{"resistor_percent", spread.resistor_percent},
-                       {"capacitor_percent", spread.capacitor_percent},
-                       {"opamp_percent", spread.opamp_percent},
-                       {"stray_f", spread.stray_f},
-                       {"unit_capacitor_percent", spread.unit_capacitor_percent}};
+  out["tolerances"] = synthesis::to_json(spread);
+  out["tolerances"].update(spread.mismatch.to_json());
+  out["tolerances"].update({{"opamp_percent", spread.opamp_percent}, {"stray_f", spread.stray_f}});
   out["priors"] = priors_json(priors);
   return out;
 }

@@ -132,9 +132,11 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
     spread = faults::Spread(circuit->tolerances);
     consider(std::make_unique<faults::CircuitBoard>(*circuit, channels, spread), of_circuit, "the circuit");
   }
-  if (fs::exists(of_board))
-    consider(std::make_unique<faults::PlanBoard>(fpaa::Plan::read(of_board, out.from), channels, spread),
-             of_board, "the board");
+  if (fs::exists(of_board)) {
+    const fpaa::Plan plan = fpaa::Plan::read(of_board, out.from);
+    spread.mismatch = plan.mismatch;
+    consider(std::make_unique<faults::PlanBoard>(plan, channels, spread), of_board, "the board");
+  }
   if (!made) {
     throw InputError(data.string(), 0,
                      "is a frequency response, and " + folder.string() +

@@ -143,7 +143,7 @@ schematic::Tolerances tolerances_from(const Node& node) {
   schematic::Tolerances out;
   const auto read = [&](const char* name, double& value) {
     if (!node.has(name)) return;
-    value = node.at(name).positive();
+    value = node.at(name).non_negative();
     if (!(value < 100.0))
       node.at(name).fail(fmt::format("is {}, expected less than 100", rounded_text(value)));
   };

@@ -143,6 +143,11 @@ Counts gathered(const Counts& before, const std::vector<Worker>& workers, const 
 
 }  // namespace
 
+Spread::Spread(const Design& design) {
+  if (design.netlist) Tolerances::operator=(design.netlist->tolerances);
+  if (design.board) mismatch = design.board->mismatch;
+}
+
 std::string job_text(const Options& options, const Provenance& from) {
   const Spread& s = options.spread;
   std::string text = fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(s.kind), s.sigmas,

@@ -43,6 +43,10 @@ struct Spread : schematic::Tolerances {
   double resistor_ppm_per_k = 100.0;
   double capacitor_ppm_per_k = 30.0;
   fpaa::MismatchModel mismatch;  ///< of switched capacitors
+
+  Spread() = default;
+  /// As the design itself states its parts.
+  explicit Spread(const Design& design);
 };
 
 std::string_view to_string(Spread::Kind kind);

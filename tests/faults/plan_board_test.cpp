@@ -107,10 +107,10 @@ TEST(PlanBoard, AWrongClockIsNamed) {
   EXPECT_TRUE(accused(d, cam.name)) << d.suspects[0].site;
 }
 
-PlanBoard unmeasured(const std::vector<Hertz>& grid) {
+PlanBoard unmeasured(const std::vector<Hertz>& grid, const Spread& spread = Spread()) {
   Measurement measurement;
   measurement.channels.push_back(seen(grid, std::vector<std::complex<double>>(grid.size(), 1.0), 1));
-  return {small_plan(), measurement, Spread()};
+  return {small_plan(), measurement, spread};
 }
 
 TEST(PlanBoard, WhatAFaultSaysIsWhatItDoes) {
@@ -165,13 +165,31 @@ TEST(PlanBoard, SlopesAreThoseOfOneStandardDeviation) {
     Effect more, less;
     more.units = {{c, units * (1.0 + step)}};
     less.units = {{c, units * (1.0 - step)}};
-    const double sigma = 0.01 * Spread().unit_capacitor_percent / std::sqrt(units);
+    const double sigma = 0.01 * Spread().mismatch.unit_percent / std::sqrt(units);
     const Eigen::VectorXcd up = board.response(more), down = board.response(less);
     for (Eigen::Index k = 0; k < up.size(); ++k)
       EXPECT_LT(std::abs(std::log(up(k) / down(k)) / (2.0 * step) * sigma -
                          good.slopes(k, static_cast<Eigen::Index>(c))),
                 1e-4 * sigma)
           << board.capacitors()[c];
+  }
+}
+
+TEST(PlanBoard, WhatEveryCapacitorHasTooMuchIsNoFault) {
+  const std::vector<Hertz> grid = log_grid({Hertz{10.0}, Hertz{1500.0}}, 6);
+  Spread spread;
+  spread.mismatch.systematic_units = 0.25;
+  const fpaa::DrawnBoard drawn(small_plan(), grid);
+  std::vector<double> units = drawn.nominal_units();
+  for (double& n : units) n += 0.25;
+  const std::vector<Complex> built = drawn.response(units);
+  const PlanBoard board = unmeasured(grid, spread);
+  const PlanBoard without = unmeasured(grid);
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const Complex truth = built[k];
+    const auto at = static_cast<Eigen::Index>(k);
+    EXPECT_LT(std::abs(board.good_response()(at) - truth), 1e-9 * std::abs(truth));
+    EXPECT_GT(std::abs(without.good_response()(at) - truth), 1e-5 * std::abs(truth));
   }
 }
 

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.hpp"
 #include "chain/block.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::chain {
 namespace {
-
-constexpr double kBoltzmann = 1.380649e-23;
 
 /// Transposed direct form II.
 class SectionKernel final : public SampledKernel {

@@ -9,6 +9,7 @@
 #include "cli/commands.hpp"
 #include "cli/modes/modes.hpp"
 #include "cli/response_source.hpp"
+#include "cli/shared_options.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/plan_board.hpp"
 #include "faults/report.hpp"
@@ -31,16 +32,12 @@ void declare_board(CommandLine& line) {
                                "NODE=FILE.csv: the same measured from the input to a node; may be repeated");
   const faults::Spread spread;
   line.group("What is known of the parts and of the measurement");
-  line.option<double>("resistor-percent",
-                      "tolerance of the resistors (default: the circuit's, of a netlist 1)");
-  line.option<double>("capacitor-percent",
-                      "tolerance of the capacitors (default: the circuit's, of a netlist 1)");
+  add_tolerance_options(line, spread);
   line.option<double>("opamp-percent",
                       "standard deviation of the op-amps' gain-bandwidth and output resistance",
                       spread.opamp_percent);
   line.option<double>("stray-f", "standard deviation of the stray capacitance at every node", spread.stray_f);
-  line.option<double>("unit-mismatch-percent", "FPAA: standard deviation of a unit capacitor",
-                      spread.unit_capacitor_percent);
+  add_mismatch_options(line);
   line.option<double>("noise-db",
                       "standard deviation of a measured magnitude (default: from the measurement)");
   line.option<double>("noise-deg", "standard deviation of a measured phase (default: from the measurement)");
@@ -48,12 +45,13 @@ void declare_board(CommandLine& line) {
 }
 
 faults::Spread read_part_spread(const CommandLine& line, faults::Spread out) {
-  out.resistor_percent = line.maybe_positive("resistor-percent").value_or(out.resistor_percent);
-  out.capacitor_percent = line.maybe_positive("capacitor-percent").value_or(out.capacitor_percent);
+  static_cast<schematic::Tolerances&>(out) = read_tolerances(line, out);
   out.opamp_percent = line.positive("opamp-percent");
   out.stray_f = line.positive("stray-f");
-  out.unit_capacitor_percent = line.positive("unit-mismatch-percent");
-  if (out.resistor_percent > 50.0 || out.capacitor_percent > 50.0) line.fail("a tolerance is above 50 %");
+  out.mismatch = read_mismatch(line, out.mismatch);
+  for (const double percent : {out.resistor_percent, out.capacitor_percent}) {
+    if (!(percent > 0.0) || percent > 50.0) line.fail("a tolerance is not above 0 and at most 50 %");
+  }
   return out;
 }
 
@@ -82,7 +80,8 @@ std::unique_ptr<faults::Board> read_board(const CommandLine& line, faults::Sprea
   if (line.has("circuit") == line.has("plan")) line.fail("expected either --circuit or --plan");
   if (line.has("plan")) {
     const fpaa::Plan plan = fpaa::Plan::read(line.get<std::string>("plan"), from);
-    spread = read_part_spread(line, faults::Spread());
+    spread.mismatch = plan.mismatch;
+    spread = read_part_spread(line, spread);
     return std::make_unique<faults::PlanBoard>(plan, read_channels(line, from), spread);
   }
   const schematic::Netlist circuit = read_circuit(line.get<std::string>("circuit"), from);

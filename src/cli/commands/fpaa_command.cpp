@@ -97,7 +97,7 @@ fpaa::PlanOptions plan_options(const CommandLine& line) {
   out.topology = line.choice("topology", {Topology::automatic, Topology::chain, Topology::bilinear});
   if (const auto clock = line.maybe_positive("min-clock-hz")) out.lowest_clock = Hertz{*clock};
   out.band = line.maybe_band();
-  out.assumptions = {read_mismatch(line), read_noise_model(line), line.seed_value()};
+  out.assumptions = {read_mismatch(line, {}), read_noise_model(line), line.seed_value()};
   return out;
 }
 
@@ -156,7 +156,7 @@ Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& fr
   out["chips"] = plan.chips.size();
   out["error"] = json["error"];
   out["error_with_delays"] = json["error_with_delays"];
-  out["mismatch"] = json["budget"]["mismatch"];
+  out["mismatch"] = json["mismatch"];
   out["largest_input_v"] = plan.max_input_v;
   for (const char* key : {"largest_image", "largest_image_in_band"}) {
     if (json.contains(key)) out[key] = json[key];
@@ -168,7 +168,7 @@ Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& fr
   return out;
 }
 
-std::string total_text(const fpaa::Plan& plan, const fpaa::MismatchModel& mismatch) {
+std::string total_text(const fpaa::Plan& plan) {
   if (!plan.total) return "";
   const fpaa::PlanTotal& total = *plan.total;
   return fmt::format(
@@ -176,7 +176,7 @@ std::string total_text(const fpaa::Plan& plan, const fpaa::MismatchModel& mismat
       "mismatch of {} % a unit capacitor moves 95 % of boards off the design by at most {} %\n",
       engineering_text(total.at_input_v, "V"), rounded_text(total.p95_percent, 3),
       rounded_text(total.designed_percent, 3), rounded_text(total.noise_percent, 3),
-      rounded_text(mismatch.unit_percent), rounded_text(total.mismatch_p95_percent, 3));
+      rounded_text(plan.mismatch.unit_percent), rounded_text(total.mismatch_p95_percent, 3));
 }
 
 /// Why nobody would build this board; nothing: somebody might. A tenth is nearly a decibel: beyond it neither curve
@@ -212,7 +212,7 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
       plan.board, clocks_text(plan), engineering_text(runs.band.from.value, "Hz", 4),
       engineering_text(runs.band.to.value, "Hz", 4), rounded_text(runs.max_complex_percent),
       rounded_text(runs.max_magnitude_db), rounded_text(runs.max_phase_deg),
-      engineering_text(runs.worst.value, "Hz", 4), total_text(plan, budget.assumptions.mismatch),
+      engineering_text(runs.worst.value, "Hz", 4), total_text(plan),
       rounded_text(budget.assumptions.noise.microvolts(budget.noise_in_band_kt_per_cu), 3),
       rounded_text(1e15 * budget.assumptions.noise.unit_capacitance_f), rounded_text(plan.max_input_v));
   const auto add_image = [&](const char* what, const std::optional<fpaa::ImageLine>& image) {

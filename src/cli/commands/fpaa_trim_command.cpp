@@ -149,7 +149,7 @@ int run_fpaa_trim(const std::vector<std::string>& arguments) {
   const std::string file = line.files()[0];
   const fpaa::Plan plan = fpaa::Plan::read(file, from);
   fpaa::TrimOptions options;
-  options.mismatch = read_mismatch(line);
+  options.mismatch = read_mismatch(line, plan.mismatch);
   options.seed = line.seed_value();
   options.samples = line.integer("samples", 20, 100000);
   options.band = line.maybe_band();

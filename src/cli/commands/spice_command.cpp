@@ -24,6 +24,7 @@ void declare_spice(CommandLine& line) {
       "circuit.json");
   add_circuit_options(line);
   add_parts_options(line);
+  add_tolerance_options(line);
   line.option<double>("amplitude-v", "largest input, for the checks of slew rate and swing", 1.0);
   line.option<double>(
       "max-error-db",
@@ -95,6 +96,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   Provenance from;
   synthesis::RealiseOptions options = read_parts_options(line, from);
   options.band = line.maybe_band();
+  options.tolerances = read_tolerances(line, options.tolerances);
   const std::optional<double> limit = line.maybe_positive("max-error-db");
   const bool shortfall_allowed = line.has("allow-shortfall");
   require_ngspice_for_check(line);

@@ -111,8 +111,7 @@ void declare_yield(CommandLine& line) {
       "corners",
       "uniform");
   line.option<double>("sigmas", "number of standard deviations that a tolerance stands for", s.sigmas);
-  line.option<double>("resistor-percent", "tolerance of the resistors (default: the circuit's, else 1)");
-  line.option<double>("capacitor-percent", "tolerance of the capacitors (default: the circuit's, else 5)");
+  add_tolerance_options(line);
   add_mismatch_options(line);
   line.option<std::string>("sections", "FPAA: deviations of the board as it runs from these sections");
   line.option<double>("temperature-low-c", "lowest temperature; each circuit drawn is at one of its own",
@@ -137,14 +136,14 @@ void declare_yield(CommandLine& line) {
   line.option<int>("threads", "0: all cores (one per process under mpirun)", 0);
 }
 
-tolerance::Spread read_spread(const CommandLine& line) {
+/// What is not asked for is as the design states it.
+tolerance::Spread read_spread(const CommandLine& line, const tolerance::Design& design) {
   using Kind = tolerance::Spread::Kind;
-  tolerance::Spread s;
+  tolerance::Spread s(design);
   s.kind = line.choice("distribution", {Kind::uniform, Kind::gaussian, Kind::corners});
   s.sigmas = line.positive("sigmas");
-  if (line.has("resistor-percent")) s.resistor_percent = line.get<double>("resistor-percent");
-  if (line.has("capacitor-percent")) s.capacitor_percent = line.get<double>("capacitor-percent");
-  s.mismatch = read_mismatch(line);
+  static_cast<schematic::Tolerances&>(s) = read_tolerances(line, s);
+  s.mismatch = read_mismatch(line, s.mismatch);
   s.temperature_low_c = line.get<double>("temperature-low-c");
   s.temperature_high_c = line.get<double>("temperature-high-c");
   s.resistor_ppm_per_k = line.get<double>("resistor-ppm");
@@ -154,7 +153,6 @@ tolerance::Spread read_spread(const CommandLine& line) {
 
 tolerance::Options read_yield_options(const CommandLine& line) {
   tolerance::Options options;
-  options.spread = read_spread(line);
   options.samples = line.get<std::uint64_t>("samples");
   options.seed = line.seed_value();
   options.threads = line.integer("threads", 0, 1024);
@@ -299,16 +297,6 @@ Json settings_json(const tolerance::Options& options) {
           {"designs", Json::array()}};
 }
 
-/// What is asked for; tolerances that are not asked for are the circuit's own.
-tolerance::Options options_of(const CommandLine& line, tolerance::Options options,
-                              const tolerance::Design& design) {
-  if (!design.netlist) return options;
-  const schematic::Tolerances& own = design.netlist->tolerances;
-  if (!line.has("resistor-percent")) options.spread.resistor_percent = own.resistor_percent;
-  if (!line.has("capacitor-percent")) options.spread.capacitor_percent = own.capacitor_percent;
-  return options;
-}
-
 /// The results of all designs, in their order; only the leader of the team has complete ones.
 std::vector<tolerance::Result> run_designs(const CommandLine& line,
                                            const std::vector<tolerance::Design>& designs,
@@ -360,10 +348,13 @@ int run_yield(const std::vector<std::string>& arguments) {
   const std::vector<Hertz> nulls = leave_out_nulls(line, designs, options.grid);
   std::vector<std::optional<LoopPlant>> plants;
   for (const tolerance::Design& design : designs) plants.push_back(read_loop_plant(line, design, from));
-  options.job = job_text(options, from);
 
   std::vector<tolerance::Options> of_each;
-  for (const tolerance::Design& design : designs) of_each.push_back(options_of(line, options, design));
+  for (const tolerance::Design& design : designs) {
+    options.spread = read_spread(line, design);
+    options.job = job_text(options, from);
+    of_each.push_back(options);
+  }
 
   const Stopwatch watch;
   const std::vector<tolerance::Result> results = run_designs(line, designs, of_each, *team);

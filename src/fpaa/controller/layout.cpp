@@ -17,13 +17,13 @@
 #include "fpaa/plan/assembly.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 #include "fpaa/streams/lookup_stage.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
 using Direction = Disturbance::Branch;
 
-constexpr double kOutsideBandwidthHz = 250e6;  ///< AD835
 /// A delay is a tenth of a period at the bandwidth.
 constexpr double kPeriodsOfDelay = 10.0;
 /// Of the slope detector's high pass: long enough for a slow reference to lift it over the comparator's
@@ -330,8 +330,8 @@ ControllerVariant laid_out(PolynomialBy by, ControllerStructure structure, const
   out.contraction = range.contraction.factor;
   out.scale = volt_scale(range, by != PolynomialBy::outside, board.full_scale_v);
   const double cycles = polynomial_cycles(by);
-  out.bandwidth_hz =
-      cycles == 0.0 ? kOutsideBandwidthHz : options.fast_clock.value / (kPeriodsOfDelay * cycles);
+  out.bandwidth_hz = cycles == 0.0 ? schematic::MultiplierModel().bandwidth.value
+                                   : options.fast_clock.value / (kPeriodsOfDelay * cycles);
   out.refusal = check_contraction(structure, range);
   if (!out.fits()) return out;
 

@@ -1,14 +1,15 @@
 #include "fpaa/device/mismatch.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.hpp"
 #include "base/documents/json.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
-
-constexpr double kBoltzmann = 1.380649e-23;  ///< J/K
 
 /// Of a real normal number 95 % lie within so many standard deviations of 0.
 constexpr double kTwoSided95 = 1.959963984540054;
@@ -26,6 +27,18 @@ double MismatchModel::drawn(double units, double x) const {
 
 Json MismatchModel::to_json() const {
   return {{"unit_capacitor_percent", unit_percent}, {"systematic_units", systematic_units}};
+}
+
+MismatchModel MismatchModel::from_node(const Node& node, MismatchModel out) {
+  out.unit_percent = node.number_or("unit_capacitor_percent", out.unit_percent);
+  out.systematic_units = node.number_or("systematic_units", out.systematic_units);
+  if (!(out.unit_percent >= 0.0) || !(out.unit_percent < 100.0))
+    node.at("unit_capacitor_percent")
+        .fail(fmt::format("is {}, expected 0 or more and less than 100", out.unit_percent));
+  if (!(std::abs(out.systematic_units) < 1.0))
+    node.at("systematic_units")
+        .fail(fmt::format("is {}, expected more than -1 and less than 1", out.systematic_units));
+  return out;
 }
 
 double error_of_95_percent(std::complex<double> offset, double sigma) {

@@ -3,6 +3,7 @@
 #include <complex>
 #include <cstdint>
 
+#include "base/documents/document.hpp"
 #include "base/documents/json_fwd.hpp"
 
 namespace bodesmith::fpaa {
@@ -25,6 +26,8 @@ struct MismatchModel {
   double drawn(double units, double x) const;
 
   Json to_json() const;
+  /// What is not there is as in `otherwise`; figures out of range are errors with file and line.
+  static MismatchModel from_node(const Node& node, MismatchModel otherwise);
 };
 
 /// An error that about 95 of 100 boards keep at one frequency: the designed complex error `offset` with a

@@ -178,7 +178,7 @@ ErrorBudget error_budget(const Plan& plan, const Sections& sections, const Board
 
 Json ErrorBudget::to_json() const {
   Json out;
-  Json& mismatch = out["mismatch"] = assumptions.mismatch.to_json();
+  Json& mismatch = out["mismatch"];
   mismatch["seed"] = assumptions.seed;
   mismatch["draws"] = kDrawnBoards;
   for (std::size_t i = 0; i < std::min(kNamedCapacitors, capacitors.size()); ++i)

@@ -107,6 +107,7 @@ struct Plan {
   PlanError error;                 ///< all wires, gains included, by the z-transfers alone
   PlanError error_with_delays;     ///< the board as its switches make it
   std::optional<PlanTotal> total;  ///< what 95 % of boards keep
+  MismatchModel mismatch;          ///< assumed of the boards that `total` speaks of; who draws others says so
   /// By rising input, where the plan misses .5 % designed, 1.5 % for 95 % of boards, or an input of 1 V (two thirds of what
   /// the largest gain allows, where that is less); empty: it has all three.
   std::vector<TradeOff> trade_off;

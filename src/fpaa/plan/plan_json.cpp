@@ -264,6 +264,7 @@ Json Plan::to_json() const {
   out["error"] = error.to_json();
   out["error_with_delays"] = error_with_delays.to_json();
   if (total) out["total"] = total_json(*total);
+  out["mismatch"] = mismatch.to_json();
   if (!trade_off.empty()) out["trade_off"] = trade_off_json(trade_off);
   out["largest_input_v"] = max_input_v;
   out["largest_step_v"] = max_step_v;
@@ -289,6 +290,7 @@ Plan Plan::from_node(const Node& node) {
   out.error = error_from(node.at("error"));
   if (node.has("error_with_delays")) out.error_with_delays = error_from(node.at("error_with_delays"));
   if (node.has("total")) out.total = total_from(node.at("total"));
+  if (node.has("mismatch")) out.mismatch = MismatchModel::from_node(node.at("mismatch"), {});
   out.trade_off = trade_off_from(node);
   out.max_input_v = node.number_or("largest_input_v", 0.0);
   out.max_step_v = node.number_or("largest_step_v", 0.0);

@@ -321,6 +321,7 @@ void state_figures(Plan& plan, const Sections& sections, Band band, const BoardA
   plan.image = images.largest;
   plan.image_in_band = images.in_band;
   plan.total = plan_total(plan, board, sections, assumptions);
+  plan.mismatch = assumptions.mismatch;
   double squares = 0.0;
   for (const ImageLines::Sine& sine : images.sines)
     squares += std::pow(sine.rms / error_reference(sections, sine.signal.rad_s()), 2);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "fpaa/device/mismatch.hpp"
 #include "fpaa/network/settling.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "schematic/writers/spice_library.hpp"
@@ -11,7 +12,7 @@ namespace bodesmith::fpaa {
 
 /// What a switched-capacitor netlist needs besides the plan. None of it is publicly known for this chip.
 struct NetlistParts {
-  double unit_capacitance_f = 50e-15;
+  double unit_capacitance_f = NoiseModel().unit_capacitance_f;
   double switch_on_ohm = 1e3;
   double switch_off_ohm = 1e15;
   /// Stray capacitance to ground, in units, of every inverting input and of every plate behind switches. The

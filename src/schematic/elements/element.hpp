@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "base/units.hpp"
 #include "schematic/netlist.hpp"
 
@@ -76,9 +77,7 @@ class NoiseSources {
 };
 
 /// Thermal noise is that of SPICE's own temperature, 27 C.
-constexpr double kBoltzmann = 1.380649e-23;
 constexpr double kKelvin = 300.15;
-constexpr double kElectron = 1.602176634e-19;
 
 /// One element of a netlist, as all analyses see it.
 class Element {

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"

@@ -8,6 +8,7 @@
 #include <regex>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "schematic/elements/element.hpp"

@@ -116,7 +116,7 @@ double SlopeDetector::threshold_v() const {
 }
 
 double SlopeDetector::vt() const {
-  return netlist_.diode.emission * schematic::kBoltzmann * schematic::kKelvin / schematic::kElectron;
+  return netlist_.diode.emission * kBoltzmann * schematic::kKelvin / kElectron;
 }
 
 double SlopeDetector::feedback_a(double v) const {

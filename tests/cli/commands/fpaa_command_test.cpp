@@ -74,6 +74,43 @@ TEST(FpaaCommand, PlanStreamsVerifySend) {
   EXPECT_THAT(result.err, HasSubstr("cannot be opened"));
 }
 
+// One spread: what the plan says of its boards, those that `yield` draws, and what `diagnose` takes for a good one.
+TEST(FpaaCommand, APlanStatesTheSpreadOfItsCapacitors) {
+  const TemporaryFolder folder;
+  const std::string dir = folder.path().string();
+  const std::string plan = dir + "/plan/plan.json";
+  write_file(folder / "s.json", kFpaaSections);
+  auto result =
+      run_bodesmith("fpaa " + dir + "/s.json -o " + dir +
+                    "/plan --clock-hz 2000 --unit-capacitor-percent 2 --systematic-units 0.25 --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const double moved = parse_json(result.out, "stdout").at("total").at("mismatch_p95_percent").number();
+  const auto drawn = [&](const std::string& more) {
+    result = run_bodesmith("yield " + plan + " --samples 2000 --json" + more);
+    EXPECT_EQ(result.status, 0) << result.err;
+    const Node node = parse_json(result.out, "stdout");
+    return std::pair(node.at("unit_capacitor_percent").number(),
+                     node.at("designs")[0].at("worst_percent").at("p95").number());
+  };
+  const auto [percent, kept] = drawn("");
+  EXPECT_EQ(percent, 2.0);
+  // 300 boards know what 95 % of them keep to some 5 %.
+  EXPECT_NEAR(kept, moved, 0.2 * moved);
+  const auto [asked, finer] = drawn(" --unit-capacitor-percent 0.5 --systematic-units 0");
+  EXPECT_EQ(asked, 0.5);
+  EXPECT_LT(finer, 0.4 * kept);
+
+  ASSERT_EQ(run_bodesmith("bode " + plan + " --from-hz 2 --to-hz 20 -o " + dir + "/good.csv").status, 0);
+  result = run_bodesmith("diagnose --plan " + plan + " --data " + dir + "/good.csv --systematic-units 0 -o " +
+                         dir + "/faults");
+  ASSERT_EQ(result.status, 0) << result.err;
+  Provenance from;
+  const Node told = read_document(folder / "faults/faults.json", from);
+  EXPECT_EQ(told.at("verdict").string(), "nothing_wrong");
+  EXPECT_EQ(told.at("tolerances").at("unit_capacitor_percent").number(), 2.0);
+  EXPECT_EQ(told.at("tolerances").at("systematic_units").number(), 0.0);
+}
+
 TEST(FpaaCommand, WholeController) {
   const TemporaryFolder folder;
   const std::string dir = folder.path().string();

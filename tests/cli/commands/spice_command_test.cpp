@@ -51,6 +51,25 @@ TEST(SpiceCommand, CheckAgreesWithNgspice) {
   EXPECT_LT(check.at("noise_percent").number(), 1e-3);
 }
 
+// What is ordered is what is drawn: in the deck, in the order list, by `yield`.
+TEST(SpiceCommand, TolerancesAreThoseOfTheOrder) {
+  const TemporaryFolder folder;
+  write_file(folder / "sections.json", kSpiceSections);
+  const std::string out = (folder / "spice").string();
+  ASSERT_EQ(run_bodesmith("spice " + (folder / "sections.json").string() +
+                          " --resistor-percent 0.5 --capacitor-percent 2 -o " + out)
+                .status,
+            0);
+  EXPECT_NE(read_file(folder / "spice/monte_carlo_ngspice.cir").find("within 0.5 % (R) and 2 % (C)"),
+            std::string::npos);
+  EXPECT_NE(read_file(folder / "spice/bom.csv").find(",0.5%,"), std::string::npos);
+  const ProgramResult drawn = run_bodesmith("yield " + out + "/circuit.json --samples 50 --json");
+  EXPECT_EQ(parse_json(drawn.out, "stdout").at("capacitor_percent").number(), 2.0);
+  const ProgramResult refused =
+      run_bodesmith("spice " + (folder / "sections.json").string() + " --capacitor-percent 100 -o " + out);
+  EXPECT_EQ(refused.status, 2);
+}
+
 // 0.5 + 20/s + 0.001 s/(1 + s/1000), and a pole at 500 rad/s behind it.
 TEST(SpiceCommand, AControllerIsItsSections) {
   const TemporaryFolder folder;

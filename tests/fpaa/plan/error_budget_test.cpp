@@ -129,7 +129,7 @@ TEST(ErrorBudget, SaysWhatItIsMadeOf) {
   EXPECT_NEAR(json["noise_in_band_uv"].get<double>(), 3.0 * unit_uv, 1e-9 * unit_uv);
   for (const char* key : {"noise_uv", "noise_in_band_uv"}) json.erase(key);
   EXPECT_EQ(json, Json::parse(R"({
-      "mismatch": {"unit_capacitor_percent": 0.25, "systematic_units": 0.125, "seed": 5, "draws": 300},
+      "mismatch": {"seed": 5, "draws": 300},
       "settling_limit_hz": 6.5, "settling": {"opamp_gain_bandwidth_hz": 8.5, "opamp_gain": 9.5, "error_percent": 10.5},
       "noise_kt_per_cu": 16, "noise_in_band_kt_per_cu": 9, "noise": {"unit_capacitance_f": 2e-15, "temperature_k": 400},
       "cams": [{"name": "A", "gain": 1.5, "settling_product_hz": 2.5, "settling_percent": 5.5, "peak_node_gain": 3.5,

@@ -170,6 +170,29 @@ TEST(InTime, AContactClosesAndOpensAfterItsDelays) {
   EXPECT_LT(run.volts("so", opens + 100e-6), 0.01);
 }
 
+// .5 + .5 tanh(gain (v - threshold)), and the product of levels and of 1 less levels.
+TEST(InTime, LevelsFollowTheirInputs) {
+  Netlist n;
+  n.parts = {ohms("R", "in", "x", 1e4), farads("C", "x", "0", 1e-10)};
+  n.comparators = {{0, "in", "a", 3.0, 0.2}, {0, "x", "b", -2.0, -0.1}, {0, "x", "c", 1.0, 0.0}};
+  n.gates = {{0, "g", {"a", "b"}, {"c"}}, {0, "none", {}, {}, true}, {0, "all", {}, {}, false}};
+  InTime run(n, [](double t) { return std::sin(600.0 * t); });
+  run.begin(0.0);
+  const auto level = [](double gain, double v, double threshold) {
+    return 0.5 + 0.5 * std::tanh(gain * (v - threshold));
+  };
+  for (const double t : {1e-3, 2e-3, 4e-3, 7e-3}) {
+    run.run_to(t);
+    const double in = std::sin(600.0 * t), x = run.volts("x", t);
+    EXPECT_NEAR(run.volts("a", t), level(3.0, in, 0.2), 1e-4) << t;
+    EXPECT_NEAR(run.volts("b", t), level(-2.0, x, -0.1), 1e-4) << t;
+    EXPECT_NEAR(run.volts("g", t), level(3.0, in, 0.2) * level(-2.0, x, -0.1) * (1.0 - level(1.0, x, 0.0)),
+                1e-4);
+    EXPECT_NEAR(run.volts("none", t), 0.0, 1e-4);
+    EXPECT_NEAR(run.volts("all", t), 1.0, 1e-4);
+  }
+}
+
 TEST(Noise, OfAClosedContactIsThatOfItsResistance) {
   Netlist n = one_contact();
   n.parts = {farads("C", "so", "0", 1e-15)};

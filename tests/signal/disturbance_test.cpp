@@ -41,6 +41,24 @@ TEST(Disturbance, RateGainsAreLinearInLogFrequencyAndHeldAtTheEnds) {
   EXPECT_FALSE(d.is_static(Branch::descending));
 }
 
+/// Below the shortest stroke of its table a gain is in proportion to the stroke; on a stroke the polynomial is of x over it.
+TEST(Disturbance, GainsOfShortStrokesGoToZeroWithThem) {
+  Disturbance d = seed();
+  EXPECT_EQ(d.amplitude.at(Branch::ascending, 0.3), 0.3);
+  d.amplitude.alpha = {0.2, 1.0};
+  d.amplitude.ascending = {0.3, 1.0};
+  d.amplitude.descending = {-0.1, 1.0};
+  EXPECT_NEAR(d.amplitude.at(Branch::ascending, 0.05), 0.075, 1e-15);
+  EXPECT_NEAR(d.amplitude.at(Branch::descending, 0.1), -0.05, 1e-15);
+  EXPECT_NEAR(d.amplitude.at(Branch::ascending, 0.6), 0.65, 1e-15);
+  const Disturbance short_stroke = d.at(0.6, Hertz{10.0});
+  for (const double x : {0.1, 0.35, 0.6}) {
+    EXPECT_NEAR(short_stroke.value(Branch::ascending, x), 0.65 * d.value(Branch::ascending, x / 0.6), 1e-15);
+    EXPECT_NEAR(short_stroke.value(Branch::descending, x), 0.45 * 1.06 * d.value(Branch::descending, x / 0.6),
+                1e-15);
+  }
+}
+
 /// Everywhere between 0 and `to`, wherever the parabola d' has its vertex.
 TEST(Disturbance, NowhereIsItSteeperThanItsSteepest) {
   Disturbance d;

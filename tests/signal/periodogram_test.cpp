@@ -44,5 +44,29 @@ TEST(Spectrum, WindowKeepsTheAmplitudeOfALine) {
   EXPECT_LT(s.amplitude[53], 1e-12);
 }
 
+/// Of the same lines, at phases drawn anew with every seed.
+TEST(PhaseSurrogate, HasTheSpectrumAndNothingElse) {
+  std::vector<double> v;
+  for (int i = 0; i < 64; ++i) v.push_back(2.0 + std::cos(0.7 * i) + 0.3 * std::sin(0.11 * i * i));
+  const std::vector<double> first = phase_surrogate(v, 1), second = phase_surrogate(v, 2);
+  EXPECT_EQ(first, phase_surrogate(v, 1));
+  const auto lines = [](std::vector<double> x) {
+    double sum = 0.0;
+    for (const double one : x) sum += one;
+    for (double& one : x) one -= sum / static_cast<double>(x.size());
+    return spectrum_of(x, 0.0, 1.0, true);
+  };
+  const Spectrum of_v = lines(v), of_first = lines(first), of_second = lines(second);
+  double apart = 0.0;
+  int turned = 0;
+  for (std::size_t k = 0; k < of_v.amplitude.size(); ++k) {
+    EXPECT_NEAR(of_first.amplitude[k], of_v.amplitude[k], 1e-13) << k;
+    turned += std::abs(of_first.phase_deg[k] - of_v.phase_deg[k]) > 20.0 ? 1 : 0;
+    apart += std::cos((of_first.phase_deg[k] - of_second.phase_deg[k]) * kPi / 180.0);
+  }
+  EXPECT_GT(turned, 20);
+  EXPECT_LT(std::abs(apart), 16.0);  // of 33, were they alike
+}
+
 }  // namespace
 }  // namespace bodesmith

@@ -23,6 +23,19 @@ TEST(Statistics, QuantilesOfAFewNumbers) {
   EXPECT_EQ(quantile_of_sorted({}, 0.5), 0.0);
 }
 
+TEST(Statistics, RmsAndWhatIsLeftOfALine) {
+  const std::vector<double> v = {3.0, -4.0, 0.0, 5.0};
+  EXPECT_NEAR(rms(v), std::sqrt(50.0 / 4.0), 1e-15);
+  EXPECT_EQ(rms({}), 0.0);
+  // (i - 2)^2 - 2 is orthogonal to 1 and i on five places: it is what is left of itself and any line.
+  std::vector<double> bent;
+  for (int i = 0; i < 5; ++i) bent.push_back((i - 2.0) * (i - 2.0) - 2.0 + 7.0 - 1.5 * i);
+  const std::vector<double> left = less_straight_line(bent);
+  for (int i = 0; i < 5; ++i)
+    EXPECT_NEAR(left[static_cast<std::size_t>(i)], (i - 2.0) * (i - 2.0) - 2.0, 1e-14);
+  EXPECT_EQ(less_straight_line({4.0}), std::vector<double>{0.0});
+}
+
 /// A one-pole process x[i] = a x[i-1] + e has the autocorrelation a^k: 1 + 2 sum a^k = (1 + a)/(1 - a).
 TEST(Statistics, CorrelationTimeOfAnAutoregressiveProcess) {
   std::mt19937_64 random(3);

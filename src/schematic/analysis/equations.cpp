@@ -119,9 +119,8 @@ void Equations::evaluate(const Point& at, std::span<double> f, std::span<double>
   for (const auto& element : elements_) element->stamp(at, stamps);
 }
 
-void Equations::linearise(std::vector<double> x, double input_v) {
-  x_ = std::move(x);
-  evaluate({x_, input_v, {}}, {}, {}, slopes_);
+void Equations::linearise(const std::vector<double>& x, double input_v) {
+  evaluate({x, input_v, {}}, {}, {}, slopes_);
   // A node that is read only, and that nothing drives, stays where it is.
   std::vector<bool> driven(nodes_.size(), false);
   for (const Stamps::Slope& one : slopes_) {
@@ -140,7 +139,7 @@ void Equations::linearise(const std::map<std::string, double>& volts) {
     if (const auto at = nodes_.find(name); at != nodes_.end())
       x[static_cast<std::size_t>(at->second)] = value;
   }
-  linearise(std::move(x), input_v);
+  linearise(x, input_v);
 }
 
 SparseSystem Equations::small_signal(RadPerSecond w) const {

@@ -50,10 +50,9 @@ class Equations {
   void evaluate(const Point& at, std::span<double> f, std::span<double> q,
                 std::vector<Stamps::Slope>& slopes) const;
   /// Small signals are about this point from now on; before it about 0.
-  void linearise(std::vector<double> x, double input_v);
+  void linearise(const std::vector<double>& x, double input_v);
   /// The same, the voltages by name; nodes that are not there are at 0.
   void linearise(const std::map<std::string, double>& volts);
-  const std::vector<double>& point() const { return x_; }
 
   /// (df/dx + jw dq/dx) x = what 1 V at the input adds.
   SparseSystem small_signal(RadPerSecond w) const;
@@ -75,8 +74,7 @@ class Equations {
   std::size_t count_ = 0;
   std::vector<std::unique_ptr<Element>> elements_;
   std::vector<Held> held_;
-  std::vector<double> x_;
-  std::vector<Stamps::Slope> slopes_;  ///< at x_
+  std::vector<Stamps::Slope> slopes_;  ///< about the point
 };
 
 }  // namespace bodesmith::schematic

@@ -57,12 +57,11 @@ Complex eliminated(Eigen::MatrixXcd& m, Eigen::VectorXcd& b, Eigen::Index out) {
 std::vector<double> output_noise(const Netlist& netlist, const std::vector<Hertz>& grid, bool flicker,
                                  const std::string& node, const std::string& input) {
   const Equations equations(netlist, {.input = input});
-  const Point at{equations.point(), 0.0, {}};
   std::vector<double> out;
   for (const Hertz f : grid) {
     const Eigen::VectorXcd ways = equations.ways_to(f.rad_s(), node);
     Power power(ways);
-    for (const auto& element : equations.elements()) element->noise(f.rad_s(), at, flicker, power);
+    for (const auto& element : equations.elements()) element->noise(f.rad_s(), flicker, power);
     out.push_back(std::sqrt(power.sum));
   }
   return out;

@@ -19,7 +19,7 @@ class ContactElement final : public Element {
     to.between(from_, kGround, 0.0, source_f_ * at[from_], 0.0, source_f_);
     to.between(to_, kGround, 0.0, drain_f_ * at[to_], 0.0, drain_f_);
   }
-  void noise(RadPerSecond, const Point&, bool, NoiseSources& to) const override {
+  void noise(RadPerSecond, bool, NoiseSources& to) const override {
     to.add(from_, to_, 4.0 * kBoltzmann * kKelvin * siemens_);
   }
 

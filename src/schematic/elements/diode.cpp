@@ -6,7 +6,7 @@
 namespace bodesmith::schematic {
 namespace {
 
-/// i = Is (exp(v/nVt) - 1), q = junction charge + transit i; shot noise 2 q (i + 2 Is), which at rest is the thermal noise of
+/// i = Is (exp(v/nVt) - 1), q = junction charge + transit i; shot noise 2 q (i + 2 Is), at rest 4 q Is, the thermal noise of
 /// its slope (n = 1). The series resistance is left out: fractions of an ohm in circuits of kiloohms.
 class Diode final : public Element {
  public:
@@ -27,9 +27,8 @@ class Diode final : public Element {
     to.between(anode_, cathode_, i, junction_charge(v) + model_.transit_s * i,
                g + bend * (at.rate_of(anode_) - at.rate_of(cathode_)), junction_f(v) + model_.transit_s * g);
   }
-  void noise(RadPerSecond, const Point& at, bool, NoiseSources& to) const override {
-    const double e = std::exp(std::clamp((at[anode_] - at[cathode_]) / vt_, -kMost, kMost));
-    to.add(anode_, cathode_, 2.0 * kElectron * model_.saturation_a * (e + 1.0));
+  void noise(RadPerSecond, bool, NoiseSources& to) const override {
+    to.add(anode_, cathode_, 4.0 * kElectron * model_.saturation_a);
   }
 
  private:

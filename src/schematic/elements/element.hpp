@@ -84,7 +84,7 @@ class Element {
  public:
   virtual ~Element() = default;
   virtual void stamp(const Point& at, Stamps& to) const = 0;
-  virtual void noise(RadPerSecond, const Point&, bool /*flicker*/, NoiseSources&) const {}
+  virtual void noise(RadPerSecond, bool /*flicker*/, NoiseSources&) const {}
   /// d ln(stamp)/d ln(value) of a part whose stamp is a power of its value: -1 a resistor, 1 a capacitor.
   virtual std::optional<double> power_of_value() const { return std::nullopt; }
 };

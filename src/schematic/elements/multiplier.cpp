@@ -23,7 +23,7 @@ class MultiplierElement final : public Element {
     to.slope(branch_, at_.z, 1.0, 0.0);
     to.slope(branch_, at_.out, -1.0, -lag);
   }
-  void noise(RadPerSecond, const Point&, bool, NoiseSources& to) const override {
+  void noise(RadPerSecond, bool, NoiseSources& to) const override {
     to.add(branch_, kGround, std::pow(model_.noise_v_per_rthz, 2));
   }
 

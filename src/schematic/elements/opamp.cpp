@@ -34,7 +34,7 @@ class RealOpAmp final : public Element {
     to.slope(branch_, branch_, by_y * ro, -ro / gbw);
   }
 
-  void noise(RadPerSecond w, const Point&, bool flicker, NoiseSources& to) const override {
+  void noise(RadPerSecond w, bool flicker, NoiseSources& to) const override {
     const double factor = flicker ? 1.0 + model_.voltage_noise_corner_hz / w.hz().value : 1.0;
     const double voltage = std::pow(model_.voltage_noise_v_per_rthz, 2) * factor;
     const double resistance =

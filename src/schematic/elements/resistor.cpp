@@ -10,7 +10,7 @@ class Resistor final : public Element {
   void stamp(const Point& at, Stamps& to) const override {
     to.between(from_, to_, siemens_ * (at[from_] - at[to_]), 0.0, siemens_, 0.0);
   }
-  void noise(RadPerSecond, const Point&, bool, NoiseSources& to) const override {
+  void noise(RadPerSecond, bool, NoiseSources& to) const override {
     to.add(from_, to_, 4.0 * kBoltzmann * kKelvin * siemens_);
   }
   std::optional<double> power_of_value() const override { return -1.0; }

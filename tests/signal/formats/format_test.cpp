@@ -238,6 +238,8 @@ TEST(Layouts, OneBlockAndNumbersThatAreOne) {
   const std::string block = table("f_hz,gain_db,phase_deg\n", level_and_angle);
   EXPECT_THAT(refusal_of_response(block + "\n\n# second\n2e5,-40,-80\n"),
               HasSubstr(":14: begins a second block"));
+  expect_low_pass("# bodesmith, a comment\n\n# another\n" +
+                  table("frequency_hz,magnitude_db,phase_deg\n", level_and_angle));
   EXPECT_THAT(refusal_of_response("f/Hz;Gain/dB;Phase/deg\n1,000;0;-45\n10,000;-3;-60\n"),
               HasSubstr("between thousands"));
   EXPECT_THAT(refusal_of_response("f/Hz;Gain/dB;Phase/deg\n1.000;0;-45\n10.000;-3;-60\n"),
@@ -356,6 +358,8 @@ TEST(Layouts, FieldSimulators) {
                                         },
                                         {' '})),
               HasSubstr("phase"));
+  expect_low_pass(table("    Frequency / Hz         S2,1/abs,dB       S2,1/arg,degrees\n---------\n",
+                        level_and_angle, {' '}));
   EXPECT_THAT(refusal_of_response(table("    Frequency / Hz         S2,1/arg,degrees\n---------\n",
                                         [](int i) {
                                           return Cells{frequency(i), angle(frequency(i))};
@@ -367,6 +371,7 @@ TEST(Layouts, FieldSimulators) {
 TEST(Layouts, QucsDatasets) {
   std::string axis = "<Qucs Dataset 0.0.19>\n<indep frequency 9>\n";
   std::string values = "<dep out.v frequency>\n";
+  std::string turned = values;  // by half a turn
   std::string time = "<Qucs Dataset 0.0.19>\n<indep time 9>\n";
   std::string in = "<dep in.Vt time>\n";
   std::string out = "<dep out.Vt time>\n";
@@ -377,6 +382,8 @@ TEST(Layouts, QucsDatasets) {
     axis += text;
     std::snprintf(text, sizeof text, "  %+.14e-j%.14e\n", h.real(), -h.imag());
     values += text;
+    std::snprintf(text, sizeof text, "  %+.14e+j%.14e\n", -h.real(), -h.imag());
+    turned += text;
     std::snprintf(text, sizeof text, "  %+.14e\n", 1e-4 * i);
     time += text;
     std::snprintf(text, sizeof text, "  %+.14e\n", input(i));
@@ -385,6 +392,11 @@ TEST(Layouts, QucsDatasets) {
     out += text;
   }
   expect_low_pass(axis + "</indep>\n" + values + "</dep>\n");
+  with_file(axis + "</indep>\n" + turned + "</dep>\n", "x", [](const std::string& path, Provenance& from) {
+    EXPECT_LT(std::abs(FrequencyRecord::read_csv(path, from).response[4] / low_pass(1000.0) + 1.0), 1e-8);
+  });
+  EXPECT_THAT(refusal_of_response(axis + "</indep>\n<dep out.v frequency>\n  1*j2\n</dep>\n"),
+              HasSubstr("'1*j2' is not a finite number"));
   expect_record(time + "</indep>\n" + in + "</dep>\n" + out + "</dep>\n");
   EXPECT_THAT(refusal_of_response(axis + "</indep>\n<dep out.v frequency>\n  +1.0-j2.0\n</dep>\n"),
               HasSubstr("begins 1 values over 9"));

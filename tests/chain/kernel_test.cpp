@@ -480,7 +480,7 @@ TEST(LinearKernels, InSeriesAreTheProductAndDelaysAdd) {
   EXPECT_LT(std::abs(response(both, s) - wanted), 1e-14);
 }
 
-TEST(FractionalBlock, IsItsPowerOnTheAxisAndBesideIt) {
+TEST(FractionalBlock, IsItsPowerOnTheAxisAndOffIt) {
   const Block block = make_block("fractional_lead_lag").set("lambda_s", 0.2).set("x", 0.05).set("beta", 0.37);
   EXPECT_NEAR(block.transfer({3.0, 0.0})->real(), std::pow(1.6 / 1.03, 0.37), 1e-14);
   for (const double w : {0.1, 5.0, 300.0}) {

@@ -1,19 +1,55 @@
 // Boards of the program's own equations with parts of 1 %: what is named, tied, refused.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "circuits.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/diagnosis.hpp"
+#include "faults/report.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::faults {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// What is said of it in every form: the same parts, the same numbers.
+void expect_told(const Diagnosis& d, const Board& board) {
+  const Json json = to_json(d, board, Spread(), Priors());
+  const std::string page = report_page(d, board, "board"), summary = summary_text(d);
+  const bool named = d.verdict == Verdict::one_fault || d.verdict == Verdict::two_faults;
+  EXPECT_EQ(json["named"].empty(), !named);
+  EXPECT_EQ(json["tied"].size(), d.verdict == Verdict::tie ? d.tied : 0u);
+  double before = 1.0, sum = json["nothing_wrong_probability"];
+  for (std::size_t i = 0; i < json["suspects"].size(); ++i) {
+    const Json& one = json["suspects"][i];
+    EXPECT_EQ(one["site"], d.suspects[i].site);
+    EXPECT_EQ(one["faults"].size(), d.suspects[i].best.faults.size());
+    EXPECT_LE(one["probability"], before);
+    sum += before = one["probability"];
+  }
+  EXPECT_LE(sum, 1.0 + 1e-9);
+  EXPECT_GE(json["suspects"].size(), std::min<std::size_t>(d.tied, 20));
+  if (named || d.verdict == Verdict::tie) {
+    for (const std::string& text : {page, summary, json["sentence"].get<std::string>()})
+      EXPECT_THAT(text, HasSubstr(d.suspects[0].best.faults[0]->parts[0]));
+  }
+  for (const std::string& step : next_steps(d)) EXPECT_THAT(summary, HasSubstr(step));
+  EXPECT_EQ(json["next"].size(), next_steps(d).size());
+  EXPECT_EQ(json["measured"][0]["points_used"], board.measured().channels[0].grid.size());
+  EXPECT_NEAR(json["noise"]["magnitude_db"], d.noise.gain * 20.0 / std::log(10.0), 1e-12);
+  EXPECT_NEAR(json["noise"]["phase_deg"], d.noise.phase * 180.0 / M_PI, 1e-12);
+  EXPECT_THAT(page, HasSubstr("as designed"));
+}
 
 Diagnosis diagnosed(const synthesis::Circuit& designed, const synthesis::Circuit& built,
                     bool with_phase = true) {
@@ -21,7 +57,9 @@ Diagnosis diagnosed(const synthesis::Circuit& designed, const synthesis::Circuit
   Measurement measurement;
   measurement.channels.push_back(seen(grid, schematic::network_response(built, grid), 5, with_phase));
   const CircuitBoard board(designed, measurement, Spread());
-  return diagnose_board(board, DiagnosisOptions());
+  Diagnosis out = diagnose_board(board, DiagnosisOptions());
+  expect_told(out, board);
+  return out;
 }
 
 bool among_tied(const Diagnosis& d, const std::string& part) {
@@ -201,6 +239,35 @@ TEST(BoardDiagnosis, TheSecondMeasurementOfANodeIsUsed) {
   const Diagnosis second = diagnose_board(both, DiagnosisOptions());
   EXPECT_TRUE(among_tied(second, built.parts[0].name));
   EXPECT_LE(second.tied, first.tied);
+}
+
+/// The sentence of each verdict.
+TEST(FaultReport, EveryVerdictHasItsSentence) {
+  Diagnosis d;
+  for (const auto& [site, probability] :
+       {std::pair("C1", 0.6), std::pair("R2", 0.39), std::pair("U1", 0.01)}) {
+    d.suspects.emplace_back().site = site;
+    d.suspects.back().probability = probability;
+  }
+  d.tied = 2;
+  d.verdict = Verdict::tie;
+  EXPECT_THAT(verdict_sentence(d), HasSubstr("C1, or R2"));
+  EXPECT_THAT(verdict_sentence(d), Not(HasSubstr("U1")));
+  EXPECT_THAT(next_steps(d).at(0), HasSubstr("lift one end"));
+  d.probe = Probe{"n3", Hertz{2000.0}, 4.0, 30.0, 9.0, {}};
+  EXPECT_THAT(next_steps(d).at(0), HasSubstr("probe node n3 next: at 2 kHz"));
+  d.probe.reset();
+  d.verdict = Verdict::uncertain;
+  EXPECT_THAT(verdict_sentence(d), HasSubstr("C1 (60 %)"));
+  EXPECT_THAT(next_steps(d).at(0), HasSubstr("measure again"));
+  d.verdict = Verdict::unexplained;
+  EXPECT_THAT(verdict_sentence(d), HasSubstr("no part is named"));
+  EXPECT_THAT(summary_text(d), HasSubstr("nearest, and not enough"));
+  d.verdict = Verdict::nothing_wrong;
+  d.good_probability = 0.9;
+  d.wider_probability = 0.8;
+  EXPECT_THAT(verdict_sentence(d), HasSubstr("spread wider"));
+  EXPECT_THAT(summary_text(d), HasSubstr("10 %"));
 }
 
 }  // namespace

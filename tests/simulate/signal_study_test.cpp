@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "base/documents/json.hpp"
+#include "signal/csv.hpp"
 #include "signal/period.hpp"
 #include "simulate/references.hpp"
 
@@ -105,6 +107,54 @@ TEST(SignalStudy, KnowsTheCyclesWithinARepetition) {
   EXPECT_LT(*study_signals(sine, sine, 0.0, 1.0 / 4000.0, std::nullopt).u_distortion_percent, 1e-9);
   // 60 and 100 Hz together have 20 Hz in common.
   EXPECT_NEAR(study_signals(two, two, 0.0, 1.0 / 4000.0, std::nullopt).fundamental->value, 20.0, 1e-9);
+}
+
+/// Harmonics count from the fundamental, whatever the cycles of a repetition and the unit of the input.
+TEST(SignalStudy, TablesCountInHarmonicsOfTheFundamental) {
+  std::vector<double> u, y;
+  for (int i = 0; i < 1000; ++i) {
+    const double turn = 2.0 * std::numbers::pi * 60.0 * i / 4000.0;
+    u.push_back(5e-3 * std::sin(turn) + 2e-3);
+    y.push_back(3.0 * std::cos(turn) - 0.3 * std::cos(3.0 * turn) + 0.1 * std::sin(5.0 * turn));
+  }
+  const SignalStudy study = study_signals(u, y, 0.0, 1.0 / 4000.0, std::nullopt);
+  const Json json = spectra_json(study, "drive");
+  ASSERT_EQ(json["harmonics"].size(), 10u);
+  const double wanted[] = {3.0, 0.0, 0.3, 0.0, 0.1, 0.0};
+  for (std::size_t k = 1; k <= 6; ++k) {
+    const Json& one = json["harmonics"][k - 1];
+    EXPECT_EQ(one["harmonic"], k);
+    EXPECT_NEAR(one["frequency_hz"], 60.0 * static_cast<double>(k), 1e-9);
+    EXPECT_NEAR(one["y_amplitude"], wanted[k - 1], 1e-12) << k;
+    EXPECT_NEAR(one["drive_amplitude"], k == 1 ? 5e-3 : 0.0, 1e-12) << k;
+  }
+  EXPECT_NEAR(json["thd_percent"]["y"], 100.0 * std::hypot(0.3, 0.1) / 3.0, 1e-9);
+  const Csv lines = Csv::parse(spectra_csv(study, "drive"), "spectra.csv");
+  ASSERT_EQ(lines.rows(), 101u);
+  for (std::size_t i = 0; i < lines.rows(); ++i) {
+    EXPECT_NEAR(lines.column("frequency_hz")[i], 20.0 * static_cast<double>(i), 1e-9);
+    EXPECT_NEAR(lines.column("harmonic")[i], static_cast<double>(i) / 3.0, 1e-9);
+  }
+  EXPECT_NEAR(lines.column("y_amplitude")[9], 0.3, 1e-12);
+  // Loops, in another unit: as high, over levels as many times larger.
+  std::vector<double> large = u;
+  for (double& one : large) one *= 1e3;
+  const Loop loop = hysteresis_loop(u, y), same = hysteresis_loop(large, y);
+  ASSERT_EQ(loop.u.size(), 101u);
+  for (std::size_t i = 0; i < loop.u.size(); ++i) {
+    EXPECT_NEAR(1e3 * loop.u[i], same.u[i], 1e-9);
+    EXPECT_NEAR(loop.ascending[i], same.ascending[i], 1e-9);
+    EXPECT_NEAR(loop.descending[i], same.descending[i], 1e-9);
+  }
+  const Json loops = loops_json(study);
+  EXPECT_EQ(loops["periods"], study.loops.size());
+  double most = 0.0;
+  for (const Loop& one : study.loops) most = std::max(most, one.height_percent);
+  EXPECT_EQ(loops["largest_height_percent"], most);
+  EXPECT_GT(most, 0.0);
+  const Csv table = Csv::parse(loops_csv(study, "drive"), "loops.csv");
+  EXPECT_EQ(table.rows(), 101u * study.loops.size());
+  EXPECT_EQ(table.column("period").back(), static_cast<double>(study.loops.size()));
 }
 
 TEST(Loop, LagOfASineIsAnEllipse) {

@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "chain/registry.hpp"
+#include "signal/csv.hpp"
 #include "temporary_folder.hpp"
 
 namespace bodesmith::simulate {
@@ -50,6 +51,34 @@ TEST(Sweep, HysteresisHasItsHeight) {
   o.amplitudes = {0.5};
   o.offset.reset();
   for (const auto& row : run_sweep(chain, o)) EXPECT_NEAR(row.loop_height_percent, 100.0 * 0.2 / 0.8, 0.5);
+}
+
+TEST(Sweep, TablesOfLoopsAndSpectraAreThoseOfItsRows) {
+  // A quadratic curve: of a sine of 1 about 0 half of the constant and of the second harmonic, at every frequency.
+  const Chain chain{{make_block("polynomial").set("coefficients", std::vector<double>{0.0, 1.0, 0.5})}};
+  auto o = options();
+  o.amplitudes = {1.0};
+  o.keep_periods = true;
+  const auto rows = run_sweep(chain, o);
+  const Csv spectra = Csv::parse(sweep_spectra_csv(rows), "spectra.csv");
+  ASSERT_EQ(spectra.rows(), 3u * 201u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(spectra.column("frequency_hz")[201 * i], rows[i].frequency.value);
+    const double wanted[] = {0.25, 1.0, 0.25, 0.0};
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(spectra.column("harmonic")[201 * i + k], static_cast<double>(k));
+      EXPECT_NEAR(spectra.column("y_amplitude")[201 * i + k], wanted[k], 1e-9);
+      EXPECT_NEAR(spectra.column("u_amplitude")[201 * i + k], k == 1 ? 1.0 : 0.0, 1e-9);
+    }
+  }
+  const Csv loops = Csv::parse(sweep_loops_csv(rows), "loops.csv");
+  ASSERT_GT(loops.rows(), 250u);
+  for (std::size_t i = 0; i < loops.rows();
+       ++i) {  // no memory: both branches are the curve, between samples straight
+    const double u = loops.column("u")[i];
+    EXPECT_NEAR(loops.column("ascending")[i], u + 0.5 * u * u, 1e-4);
+    EXPECT_NEAR(loops.column("descending")[i], u + 0.5 * u * u, 1e-4);
+  }
 }
 
 TEST(Sweep, RowsDoNotDependOnThreadsAndResume) {

@@ -1,15 +1,19 @@
 #include "synthesis/realise_search.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/documents/document.hpp"
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
+#include "base/files.hpp"
 #include "base/text.hpp"
 #include "schematic/analysis/response.hpp"
+#include "schematic/opamp_library.hpp"
 #include "seed_sections.hpp"
 #include "synthesis/circuit.hpp"
 #include "synthesis/circuit_file.hpp"
+#include "temporary_folder.hpp"
 
 namespace bodesmith::synthesis {
 namespace {
@@ -46,6 +50,52 @@ TEST(RealiseSearch, ARefusalNamesTheLimitThatWouldDo) {
   ASSERT_TRUE(limits->starts_with(kWhat)) << *limits;
   ASSERT_TRUE(parse_quantity(limits->substr(kWhat.size()), search.options.limits.max_f)) << *limits;
   EXPECT_EQ(refusal_of(realise_for_building(slow_lag(), search)), nullptr);
+}
+
+// Of a list the first that leaves nothing to say, cheapest first; where none does, the one that falls short least.
+TEST(RealiseSearch, TheFirstOpAmpThatDoesIsTaken) {
+  const TemporaryFolder folder;
+  const auto listed = [&](const std::string& name, double hz) {
+    return fmt::format("[[opamp]]\nname = \"{}\"\ngain_bandwidth_hz = {}\nslew_v_per_s = {}\n", name, hz,
+                       20.0 * hz);
+  };
+  write_file(folder / "list.toml", "schema = \"bodesmith.opamps/1\"\n" + listed("slow", 3e3) +
+                                       listed("slower", 1e3) + listed("good", 1e7) + listed("better", 1e8));
+  Provenance from;
+  const schematic::OpAmpLibrary library = schematic::OpAmpLibrary::read(folder / "list.toml", from);
+  BuildSearch search;
+  search.opamps = &library;
+  search.limits.max_error_db = 0.1;
+  const auto outcome = realise_for_building(seed_sections(), search);
+  const auto& best = std::get<BuildChoice>(outcome).best;
+  EXPECT_EQ(best.made.circuit.opamp.name, "good");
+  EXPECT_TRUE(best.shortfalls.empty());
+  EXPECT_LT(best.judged.max_magnitude_db, 0.1);
+  // None reaches a hundred-thousandth of a dB: the one with the smallest error of all.
+  search.limits.max_error_db = 1e-5;
+  const auto none = realise_for_building(seed_sections(), search);
+  const auto& least = std::get<BuildChoice>(none).best;
+  ASSERT_EQ(least.shortfalls.size(), 1u);
+  EXPECT_LE(least.judged.max_magnitude_db, best.judged.max_magnitude_db);
+  // A margin that none has is said with the margin.
+  search.limits = {.min_phase_margin_deg = 100.0, .max_error_db = 3.0};
+  const auto shy = realise_for_building(seed_sections(), search);
+  EXPECT_NE(std::get<BuildChoice>(shy).best.shortfalls.at(0).find("expected 100 or more"), std::string::npos);
+}
+
+// Free to choose, other forms are tried, with isolating resistors and with wider parts, and nothing that falls short more is taken.
+TEST(RealiseSearch, AFreeChoiceNeverFallsShortMore) {
+  BuildSearch search;
+  search.limits = {.min_phase_margin_deg = 100.0, .max_error_db = 1e-3};
+  const auto asked = realise_for_building(seed_sections(), search);
+  search.may_choose = true;
+  const auto chosen = realise_for_building(seed_sections(), search);
+  const auto& one = std::get<BuildChoice>(asked).best;
+  const auto& other = std::get<BuildChoice>(chosen);
+  EXPECT_LE(other.best.shortfalls.size(), one.shortfalls.size());
+  EXPECT_TRUE(other.best.shortfalls.size() < one.shortfalls.size() ||
+              other.best.judged.max_magnitude_db <= one.judged.max_magnitude_db);
+  EXPECT_EQ(other.passed_over.size(), other.best.how == "opamp-rc" ? 0u : 1u);
 }
 
 TEST(RealiseSearch, ErrorAndMarginAreJudgedInTheSectionsOwnBand) {

@@ -138,6 +138,14 @@ TEST(CascadeFit, FewestBandsForADenseCurve) {
   EXPECT_LE(loose.terms.size(), close.terms.size());
   EXPECT_LE(close.terms.size(), 4u);
   EXPECT_EQ(close.cascade.fit->points.size(), 300u);
+  // In another unit of frequency the terms are the same ones.
+  for (BodePoint& point : dense.points) point.frequency.value *= 1e3;
+  const CascadeFit fast = fit_cascade(dense, {.base = Hertz{1e3}, .fewest_bands_db = 0.1});
+  ASSERT_EQ(fast.terms.size(), close.terms.size());
+  for (std::size_t i = 0; i < fast.terms.size(); ++i) {
+    EXPECT_NEAR(fast.cascade.terms[i].beta, close.cascade.terms[i].beta, 1e-6);
+    EXPECT_NEAR(1e3 * fast.cascade.terms[i].lambda_s / close.cascade.terms[i].lambda_s, 1.0, 1e-9);
+  }
   // All five points of the paper by exhaustive choice.
   const CascadeFit paper = fit_cascade(kPaper, {.fewest_bands_db = 1e-6});
   EXPECT_EQ(paper.terms.size(), 4u);

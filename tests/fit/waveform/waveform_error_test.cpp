@@ -35,6 +35,7 @@ TEST(WaveformError, ConstantGainInClosedForm) {
   const Disturbance d = both_driven();
   // rms of the disturbance itself: Simpson on each branch is not exact for a square of cubics, so fine steps.
   double square = 0.0;
+  double peak = 0.0;
   const int steps = 200000;
   for (int i = 0; i < steps; ++i) {
     const double x = (i + 0.5) / steps;
@@ -42,9 +43,12 @@ TEST(WaveformError, ConstantGainInClosedForm) {
               (std::pow(d.value(Disturbance::Branch::ascending, x), 2) +
                std::pow(d.value(Disturbance::Branch::descending, x), 2)) /
               steps;
+    for (const auto branch : {Disturbance::Branch::ascending, Disturbance::Branch::descending})
+      peak = std::max(peak, std::abs(d.value(branch, x)));
   }
   const auto got = waveform_error([](RadPerSecond) { return 1.1; }, d, {Hertz{60.0}});
   EXPECT_NEAR(got.points[0].rms_percent, 100.0 * 0.06 * std::sqrt(square), 1e-6);
+  EXPECT_NEAR(got.points[0].peak_percent, 100.0 * 0.06 * peak, 1e-4);
   EXPECT_NEAR(waveform_error([](RadPerSecond) { return 1.1; }, d, {Hertz{20.0}}).worst_percent, 0.0, 1e-12);
 }
 

@@ -23,6 +23,16 @@ TEST(WaveformFit, ReachesTheBestKnownErrors) {
     EXPECT_LT(worst.error.worst_percent, 1.02 * known.worst) << known.order;
     for (const WaveformFit* fit : {&rms, &worst}) {
       EXPECT_EQ(fit->sections.pole_count(), known.order);
+      double db = 0.0, deg = 0.0;  // against the gains themselves
+      for (const Hertz f : both_driven().rate.frequency) {
+        const auto quotient =
+            fit->sections.response(f.rad_s()) / both_driven().rate_gain(Disturbance::Branch::ascending, f);
+        db = std::max(db, 20.0 * std::abs(std::log10(std::abs(quotient))));
+        deg = std::max(deg, std::abs(std::arg(quotient)) * 180.0 / M_PI);
+      }
+      ASSERT_TRUE(fit->sections.error);
+      EXPECT_NEAR(fit->sections.error->max_magnitude_db, db, 1e-9);
+      EXPECT_NEAR(fit->sections.error->max_phase_deg, deg, 1e-9);
       for (const Section& section : fit->sections.sections) {
         EXPECT_TRUE(section.is_stable());
         for (const auto& pole : section.poles) EXPECT_EQ(pole.imag(), 0.0);

@@ -31,6 +31,32 @@ TEST(RecordEngine, LowpassOfARampAndAStepAreExact) {
     EXPECT_NEAR(step.y[i], 1.0 - std::exp(-in.time_s(i) / tau), 1e-14);
 }
 
+/// A ramp through n equal lags: t - n tau + tau exp(-t/tau) sum (n - k) (t/tau)^k/k!, k = 0 ... n - 1; no modes, more states than
+/// the compiler was told of.
+TEST(RecordEngine, ManyEqualLagsOfARampAreExact) {
+  for (const int n : {3, 9, 12}) {
+    Chain chain;
+    for (int i = 0; i < n; ++i) chain.blocks.push_back(make_block("lowpass").set("corner_hz", 10.0));
+    const double tau = 1.0 / (2.0 * M_PI * 10.0);
+    TimeRecord ramp;
+    ramp.step_s = 3e-3;
+    for (int i = 0; i < 120; ++i) ramp.u.push_back(ramp.step_s * i);
+    Options options;
+    options.engine = Engine::record;
+    options.start = Start::zero;
+    const std::vector<double> y = simulate(chain, ramp, options).y;
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      const double x = ramp.u[i] / tau;
+      double sum = 0.0, term = 1.0;
+      for (int k = 0; k < n; ++k) {
+        sum += (n - k) * term;
+        term *= x / (k + 1);
+      }
+      EXPECT_NEAR(y[i], ramp.u[i] - n * tau + tau * std::exp(-x) * sum, 1e-10) << n << " at " << i;
+    }
+  }
+}
+
 TEST(RecordEngine, ADelayThatIsNoMultipleOfTheStepIsExactInALinearRun) {
   const double tau = 1.0 / (2.0 * kPi * 3.0);
   const double delay = 0.0337;

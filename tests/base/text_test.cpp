@@ -44,6 +44,45 @@ TEST(Quantity, IsUnderstoodInDocuments) {
 
 namespace {
 
+TEST(Text, SplitAndTrimmed) {
+  using Parts = std::vector<std::string_view>;
+  EXPECT_EQ(split("a,,b", ','), (Parts{"a", "", "b"}));
+  EXPECT_EQ(split("", ','), Parts{""});
+  EXPECT_EQ(split("a,", ','), (Parts{"a", ""}));
+  EXPECT_EQ(split_words("  one\ttwo \r three"), (Parts{"one", "two", "three"}));
+  EXPECT_TRUE(split_words(" \t").empty());
+  EXPECT_EQ(trim(" \n x y\r\n"), "x y");
+  EXPECT_EQ(trim(" \t "), "");
+}
+
+/// No line is longer than 100 columns unless one word is, the words stay, and what goes on stands two columns further in, or
+/// below the text of its label.
+TEST(Text, FoldedLinesKeepTheirWordsAndTheirIndent) {
+  std::string words;
+  for (int i = 0; i < 60; ++i)
+    words += (i == 0 ? "" : " ") + std::string(static_cast<std::size_t>(1 + i * 7 % 11), 'w');
+  for (const auto& [begin, indent] : {std::pair<std::string, std::size_t>{"", 2},
+                                      {"   ", 5},
+                                      {"label:   ", 11},
+                                      {std::string(18, 'l') + "  ", 22},
+                                      {std::string(19, 'l') + "  ", 2}}) {
+    const std::string folded = folded_text(begin + words);
+    std::string joined;
+    std::size_t lines = 0;
+    for (const std::string_view line : split(folded, '\n')) {
+      EXPECT_LE(line.size(), 100u);
+      EXPECT_EQ(lines > 0 ? line.find_first_not_of(' ') : indent, indent) << folded;
+      joined += lines > 0 ? " " + std::string(trim(line)) : std::string(line);
+      ++lines;
+    }
+    EXPECT_EQ(joined, begin + words);
+    EXPECT_GE(lines, 4u) << folded;
+  }
+  const std::string path(130, 'p');
+  EXPECT_EQ(folded_text("file " + path + " there"), "file\n  " + path + " there");
+  EXPECT_EQ(folded_text("short\nlines"), "short\nlines");
+}
+
 TEST(NearestWord, CountsSingleChanges) {
   EXPECT_EQ(edit_distance("order", "order"), 0u);
   EXPECT_EQ(edit_distance("oder", "order"), 1u);

@@ -95,6 +95,75 @@ TEST(Document, TomlKeepsLinesAndOrder) {
             "m.toml:1: 'a' is not finite, expected a finite number");
 }
 
+TEST(Document, WhatAValueMayBe) {
+  const Node node = parse_toml(
+      "n = 3\nhalf = 2.5\nword = \"sine\"\nyes = true\nlist = [1, 2.5, -4]\n[table]\na = 1\nb = 2\n",
+      "t.toml");
+  EXPECT_EQ(node.size(), 6u);
+  EXPECT_EQ(node.at("table").size(), 2u);
+  EXPECT_EQ(node.at("list").size(), 3u);
+  EXPECT_EQ(node.at("list").numbers(), (std::vector<double>{1.0, 2.5, -4.0}));
+  EXPECT_EQ(node.at("list").items()[2].place(), "list[2]");
+  EXPECT_EQ(node.at("table").members()[1].first, "b");
+  EXPECT_EQ(node.at("n").integer(3, 3), 3);
+  EXPECT_EQ(node.at("word").one_of({"cubic", "sine"}), "sine");
+  EXPECT_TRUE(node.boolean_or("yes", false));
+  EXPECT_TRUE(node.boolean_or("no", true));
+  EXPECT_EQ(node.number_or("half", 0.0), 2.5);
+  EXPECT_EQ(node.number_or("third", 0.25), 0.25);
+  EXPECT_EQ(node.string_or("word", ""), "sine");
+  EXPECT_EQ(node.string_or("words", "none"), "none");
+  const auto said = [&](auto read) -> std::string {
+    try {
+      read();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(said([&] { node.at("n").integer(4, 9); }),
+            "t.toml:1: \'n\' is 3, expected a whole number from 4 to 9");
+  EXPECT_EQ(said([&] { node.at("n").integer(0, 2); }),
+            "t.toml:1: \'n\' is 3, expected a whole number from 0 to 2");
+  EXPECT_EQ(said([&] { node.at("half").integer(0, 9); }),
+            "t.toml:2: \'half\' is 2.5, expected a whole number from 0 to 9");
+  EXPECT_EQ(said([&] { node.at("list")[2].non_negative(); }),
+            "t.toml:5: \'list[2]\' is -4, expected a number of at least 0");
+  EXPECT_EQ(said([&] { node.at("list")[2].positive(); }),
+            "t.toml:5: \'list[2]\' is -4, expected a number above 0");
+  EXPECT_EQ(said([&] { (void)node.at("list")[3]; }), "t.toml:5: \'list\' has 3 items, expected at least 4");
+  EXPECT_NE(said([&] {
+              node.at("word").one_of({"cubic", "sines"});
+            }).find("did you mean 'sines'"),
+            std::string::npos);
+  EXPECT_NE(said([&] {
+              node.at("table").allow_only({"a", "c"});
+            }).find("t.toml:8: 'table.b' is not known here"),
+            std::string::npos);
+}
+
+/// Only what the key names changes, in tables that are made where they are missing; the old document stays as it was.
+TEST(Document, AChangedCopyIsTheSameElsewhere) {
+  const Node node = parse_toml("a = 1\n[t]\nb = 2\nc = 3\n", "t.toml");
+  const Node value = parse_toml("\n\nx = 7\n", "other.toml").at("x");
+  const Node changed = node.with("t.b", value).with("new.deep.one", value);
+  EXPECT_EQ(changed.at("t").at("b").number(), 7.0);
+  EXPECT_EQ(changed.at("t").at("c").number(), 3.0);
+  EXPECT_EQ(changed.at("t").size(), 2u);
+  EXPECT_EQ(changed.at("a").number(), 1.0);
+  EXPECT_EQ(changed.at("new").at("deep").at("one").number(), 7.0);
+  EXPECT_EQ(changed.at("new").line(), 3);
+  EXPECT_EQ(changed.at("new").file(), "other.toml");
+  EXPECT_EQ(node.at("t").at("b").number(), 2.0);
+  EXPECT_FALSE(node.has("new"));
+  const Node less = changed.without("t.c", value);
+  EXPECT_FALSE(less.at("t").has("c"));
+  EXPECT_TRUE(less.at("t").has("b"));
+  for (const char* key : {"a.b", "", "t..x"}) EXPECT_THROW(node.with(key, value), InputError) << key;
+  for (const char* key : {"none", "t.none", "none.x"})
+    EXPECT_THROW(node.without(key, value), InputError) << key;
+}
+
 TEST(Document, TextsHaveOneLine) {
   EXPECT_EQ(error_of([] { parse_json("{\"name\": \"a\\n.control\"}", "p.json").at("name").string(); }),
             "p.json:1: 'name' holds a line break or another control character, expected one line of text");

@@ -66,5 +66,32 @@ TEST(Cascade, JsonRoundTripAndComplaints) {
   EXPECT_THROW(read(R"({})"), InputError);
 }
 
+/// The band of a cascade is that of its corners and of the points it was fitted to, which its file keeps.
+TEST(Cascade, BandLevelsAndFitAreKept) {
+  Cascade g;
+  g.gain = -2.0;
+  g.terms = {{0.1, 0.25, -0.5}, {0.002, 4.0, 0.7}};
+  const Band corners = g.corner_band();
+  EXPECT_NEAR(corners.from.value, 1.0 / (2.0 * M_PI * 0.1), 1e-12);
+  EXPECT_NEAR(corners.to.value, 1.0 / (2.0 * M_PI * 0.002), 1e-9);
+  g.fit.emplace();
+  g.fit->points = {{Hertz{0.2}, -1.0, -1.5}, {Hertz{900.0}, 3.0, 3.25}};
+  g.fit->max_db = 0.5;
+  EXPECT_EQ(g.corner_band().from.value, 0.2);
+  EXPECT_EQ(g.corner_band().to.value, 900.0);
+  Cascade positive = g;
+  positive.gain = 2.0;
+  for (const double w : {0.3, 20.0, 4000.0})
+    EXPECT_NEAR(positive.magnitude_db({w}), 20.0 * std::log10(std::abs(g.response(RadPerSecond{w}))), 1e-12);
+  Json json = {{"schema", "bodesmith.cascade/1"}};
+  json.update(g.to_json());
+  const Cascade back = Cascade::from_node(parse_json(to_text(json), "c.json"));
+  ASSERT_TRUE(back.fit);
+  ASSERT_EQ(back.fit->points.size(), 2u);
+  EXPECT_EQ(back.fit->points[1].frequency.value, 900.0);
+  EXPECT_EQ(back.fit->points[1].got_db, 3.25);
+  EXPECT_EQ(back.fit->max_db, 0.5);
+}
+
 }  // namespace
 }  // namespace bodesmith

@@ -85,5 +85,23 @@ TEST(JudgeResponses, ANotchThatIsMissingIsSaid) {
   EXPECT_GT(judge_responses(of(flat), of(wanted), band).max_magnitude_db, 8.0);
 }
 
+/// Q/sqrt(1 - 1/(4 Q^2)), from five points a decade that miss it.
+TEST(RefinedMaximum, FindsTheTopOfAResonance) {
+  for (const double q : {1.0, 5.0, 20.0}) {
+    const double top = refined_maximum(log_grid({Hertz{1.0}, Hertz{1e4}}, 61), [&](Hertz f) {
+      const std::complex<double> r(0.0, f.value / 137.0);
+      return std::abs(1.0 / (1.0 + r / q + r * r));
+    });
+    EXPECT_NEAR(top / (q / std::sqrt(1.0 - 0.25 / (q * q))), 1.0, q > 10.0 ? 0.02 : 1e-3) << q;
+  }
+  EXPECT_EQ(refined_maximum({}, [](Hertz) { return 1.0; }), 0.0);
+  EXPECT_EQ(around_peaks({Hertz{1.0}, Hertz{4.0}, Hertz{9.0}}, {1.0, 3.0, 2.0}),
+            (std::vector<Hertz>{Hertz{2.0}, Hertz{6.0}}));
+  EXPECT_EQ(around_peaks({Hertz{1.0}, Hertz{4.0}, Hertz{9.0}}, {5.0, 3.0, 2.0}),
+            std::vector<Hertz>{Hertz{2.0}});
+  EXPECT_EQ(around_peaks({Hertz{1.0}, Hertz{4.0}, Hertz{9.0}}, {2.0, 3.0, 5.0}),
+            std::vector<Hertz>{Hertz{6.0}});
+}
+
 }  // namespace
 }  // namespace bodesmith

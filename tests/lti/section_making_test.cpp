@@ -144,5 +144,26 @@ TEST(InSeries, GainsResponsesAndDelaysOfAllOfThem) {
   }
 }
 
+/// The same response from sections of two poles; a pair of zeros stands with the poles that are nearest.
+TEST(MakeSections, BiquadsAreTheSameAndZerosStandNearTheirPoles) {
+  Sections given;
+  given.gain = 3.0;
+  given.sections = {
+      {2.0, {-5.0}, {-1.0}}, {1.0, {}, {-20.0}}, {0.5, {-300.0}, {-200.0}}, {1.0, {}, {-4000.0}}};
+  const Sections made = as_biquads(given);
+  ASSERT_EQ(made.sections.size(), 2u);
+  for (const Section& section : made.sections) EXPECT_EQ(section.poles.size(), 2u);
+  for (const double w : {0.1, 30.0, 5e3}) {
+    const Complex s(0.0, w);
+    EXPECT_LT(std::abs(made.response(s) / given.response(s) - 1.0), 1e-12);
+  }
+  // Two slow real poles and a fast complex pair: the slow complex zeros do not go to the fast pair.
+  const Sections apart =
+      make_sections(1.0, {{-2.0, 3.0}, {-2.0, -3.0}}, {-1.0, -6.0, {-3e4, 4e4}, {-3e4, -4e4}}, {});
+  for (const Section& section : apart.sections) {
+    EXPECT_TRUE(section.zeros.empty() || std::abs(section.poles.front()) < 10.0);
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith

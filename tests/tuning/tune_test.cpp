@@ -350,5 +350,26 @@ TEST(LoopTurns, ShortfallIsZeroExactlyWhereTheMarginsAre) {
   EXPECT_GT(shortfall(samples(1.7), 1, {1e-3, 1e-3, std::nullopt}), 2.0 - 1e-3);
 }
 
+/// kp + ki/s + kd s/(1 + s/w_d), times the filter, as sections and at once.
+TEST(SeriesController, ItsSectionsAreItsResponse) {
+  for (const double kd : {0.0, 0.03}) {
+    for (const double ki : {0.0, 12.0}) {
+      SeriesController c;
+      c.pid.proportional = 0.7;
+      c.pid.integral_per_s = ki;
+      c.pid.derivative_s = kd;
+      c.pid.derivative_corner = Hertz{40.0};
+      c.filter = Sections{2.0, {Section{50.0, {}, {-50.0}}}, std::nullopt};
+      const double corner = 2.0 * M_PI * 40.0;
+      for (const double w : {0.5, 30.0, 2000.0}) {
+        const Complex s(0.0, w);
+        const Complex wanted = (0.7 + ki / s + kd * s / (1.0 + s / corner)) * 2.0 * 50.0 / (s + 50.0);
+        EXPECT_LT(std::abs(c.response(s) / wanted - 1.0), 1e-12) << w;
+        EXPECT_LT(std::abs(c.sections().response(s) / wanted - 1.0), 1e-12) << w << " " << kd << " " << ki;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith::tuning

@@ -115,4 +115,21 @@ TEST(MatrixExponential, TheRowMajorFormIsTheSame) {
 
 }  // namespace
 
+TEST(Dense, OrthonormalColumnsSpanTheSameAndTheLeastNormSolves) {
+  const Eigen::MatrixXd a =
+      (Eigen::MatrixXd(4, 4) << 1, 2, 0, 1, -1, 3, 2, 0, 2, 0, 1, 5, 0, 1, -2, 1).finished();
+  const Eigen::MatrixXd q = orthonormal_columns(a);
+  EXPECT_LT((q.transpose() * q - Eigen::MatrixXd::Identity(4, 4)).norm(), 1e-14);
+  const Eigen::MatrixXd r = q.transpose() * a;  // upper
+  for (Eigen::Index i = 1; i < 4; ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) EXPECT_NEAR(r(i, k), 0.0, 1e-14);
+  }
+  const Eigen::MatrixXd wide = a.topRows(2);
+  const Eigen::MatrixXd b = (Eigen::MatrixXd(2, 1) << 3, -4).finished();
+  const Eigen::MatrixXd x = least_norm_columns(wide, b);
+  EXPECT_LT((wide * x - b).norm(), 1e-13);
+  const Eigen::MatrixXd least = wide.transpose() * (wide * wide.transpose()).inverse() * b;
+  EXPECT_LT((x - least).norm(), 1e-13);
+}
+
 }  // namespace bodesmith

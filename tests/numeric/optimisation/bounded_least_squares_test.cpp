@@ -95,6 +95,25 @@ TEST(BoundedLeastSquares, SatisfiesKuhnAndTuckerAndReducesToTheFreeSolution) {
   }
 }
 
+/// The line of least squares through four points, by its own formulas; the matrix that makes it of them; singular values of
+/// orthogonal columns are their lengths.
+TEST(LeastSquaresOfFew, AreTheNormalEquationsSolution) {
+  const LongMatrix a = {{1, -3}, {1, -1}, {1, 1}, {1, 3}};
+  const LongVector y = {2.0L, 1.0L, 4.0L, 5.0L};
+  const LongVector line = least_squares(a, y);
+  EXPECT_NEAR(static_cast<double>(line[0]), 3.0, 1e-17);
+  EXPECT_NEAR(static_cast<double>(line[1]), (-6.0 - 1.0 + 4.0 + 15.0) / 20.0, 1e-17);
+  const LongMatrix inverse = least_squares_inverse(a);
+  ASSERT_EQ(inverse.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    long double sum = 0.0L;
+    for (std::size_t k = 0; k < 4; ++k) sum += inverse[i][k] * y[k];
+    EXPECT_NEAR(static_cast<double>(sum), static_cast<double>(line[i]), 1e-16);
+  }
+  EXPECT_NEAR(condition_number(a), std::sqrt(20.0) / 2.0, 1e-12);
+  EXPECT_GT(condition_number({{1, 2}, {2, 4}}), 1e15);
+}
+
 TEST(ParallelFor, DoesEachPieceOnceAndThrowsAgain) {
   for (const int threads : {0, 1, 3, 50}) {
     std::vector<std::atomic<int>> done(17);

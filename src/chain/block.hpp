@@ -41,6 +41,10 @@ struct PartChange {
   /// w its natural frequency or pole. With another gain-bandwidth f the section is H/(1 + s (1/f - 1/gain_bandwidth_hz)/(2 pi beta)):
   /// exact where nothing passes the section without the op-amp and the op-amp was ideal (Bode 1945, 5). Empty: no op-amp.
   std::vector<double> noise_gain = {};
+  /// Of one that something passes without (it is dead: its output is at 0 V) a section N/P of two poles: F, likewise, F/D the
+  /// response that is left. Then the section is (N + s (1/f - …) F/(2 pi))/(P + s (1/f - …) D/(2 pi)) (Blackman's and the asymptotic
+  /// gain formula, Rosenstark, IEEE Trans. Circuits Syst. 21 (1974) 275). Empty: nothing passes.
+  std::vector<double> feedthrough = {};
   double gain_bandwidth_hz = INFINITY;  ///< that the block's parameters hold
 
   bool is_offset() const { return unit == "v"; }

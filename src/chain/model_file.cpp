@@ -56,16 +56,24 @@ void read_free(Block& block, const Node& free) {
 }
 
 /// `parts`: a table a part, {unit, tolerance, "parameter" = [slope, bend], …}; of an op-amp {gain_bandwidth_hz,
-/// noise_gain = [d0, d1, d2]}.
+/// noise_gain = [d0, d1, d2]}, and feedthrough = [f0, f1, f2] where something passes without it.
 std::shared_ptr<const std::vector<PartChange>> parts_from_node(const Block& block, const Node& node) {
   auto out = std::make_shared<std::vector<PartChange>>();
   for (const auto& [part, table] : node.members()) {
     if (table.has("noise_gain")) {
-      table.allow_only({"noise_gain", "gain_bandwidth_hz"});
-      const std::vector<double> gain = table.at("noise_gain").numbers();
-      if (gain.size() != 3) table.at("noise_gain").fail("has not three numbers, expected [d0, d1, d2]");
+      table.allow_only({"noise_gain", "feedthrough", "gain_bandwidth_hz"});
+      const auto three = [&table](const char* key) {
+        const std::vector<double> numbers = table.at(key).numbers();
+        if (numbers.size() != 3)
+          table.at(key).fail("has not three numbers, expected those of 1, s/w and (s/w)^2");
+        return numbers;
+      };
       PartChange opamp{.part = part};
-      opamp.noise_gain = gain;
+      opamp.noise_gain = three("noise_gain");
+      if (table.has("feedthrough")) {
+        opamp.feedthrough = three("feedthrough");
+        if (block.type_name() != "biquad") table.at("feedthrough").fail("stands at no biquad, expected one");
+      }
       opamp.gain_bandwidth_hz = table.at("gain_bandwidth_hz").positive();
       out->push_back(std::move(opamp));
       continue;
@@ -158,6 +166,7 @@ Json parts_json(const std::vector<PartChange>& parts) {
             ? fmt::format("{{unit = \"{}\", tolerance = {}", one.unit, number_text(one.tolerance))
             : fmt::format("{{gain_bandwidth_hz = {}, noise_gain = {}", number_text(one.gain_bandwidth_hz),
                           toml_list("noise_gain", one.noise_gain));
+    if (!one.feedthrough.empty()) text += ", feedthrough = " + toml_list("feedthrough", one.feedthrough);
     for (const PartChange::Entry& entry : one.entries)
       text += fmt::format(", \"{}\" = [{}, {}]", entry.parameter, number_text(entry.slope),
                           number_text(entry.bend));

@@ -87,18 +87,23 @@ Json parts_schema() {
         {"tolerance", {{"type", "number"}, {"minimum", 0}, {"description", "of a good part"}}}}},
       {"required", {"unit", "tolerance"}},
       {"additionalProperties", pair}};
+  const auto three = [](const char* what) {
+    return Json{{"type", "array"},
+                {"items", {{"type", "number"}}},
+                {"minItems", 3},
+                {"maxItems", 3},
+                {"description", what}};
+  };
   const Json opamp = {
       {"type", "object"},
       {"properties",
        {{"gain_bandwidth_hz",
          {{"type", "number"}, {"exclusiveMinimum", 0}, {"description", "that the block's parameters hold"}}},
         {"noise_gain",
-         {{"type", "array"},
-          {"items", {{"type", "number"}}},
-          {"minItems", 3},
-          {"maxItems", 3},
-          {"description",
-           "[d0, d1, d2]: 1/beta = (d0 + d1 s/w + d2 (s/w)^2) over the section's denominator"}}}}},
+         three("[d0, d1, d2]: 1/beta = (d0 + d1 s/w + d2 (s/w)^2) over the section's denominator")},
+        {"feedthrough",
+         three(
+             "[f0, f1, f2]: of the response without the op-amp, over d0 + d1 s/w + d2 (s/w)^2; of a biquad")}}},
       {"required", {"gain_bandwidth_hz", "noise_gain"}},
       {"additionalProperties", false}};
   return {

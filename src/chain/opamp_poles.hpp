@@ -18,6 +18,14 @@ struct OpampPoles {
 /// `per_hz`: 1/f. Finite for per_hz > 0 and d2 > 0 (two poles), d1 > 0 (one), d0 > 0 (none).
 OpampPoles opamp_poles(const Block& section, std::span<const double> noise_gain, double per_hz);
 
+/// A biquad with an op-amp that something passes without (PartChange::feedthrough): the third pole, and zero where there is one,
+/// make the block behind it. Not valid where that zero is not real or in the right half-plane.
+struct SlowSection {
+  Block section;
+  Block behind;  ///< lowpass or pole_zero
+};
+SlowSection slow_section(const Block& section, const PartChange& opamp, double per_hz);
+
 /// The parameter that holds a section's corner; empty: a gain.
 std::string_view corner_of(const Block& section);
 

@@ -465,6 +465,33 @@ TEST(OpampPoles, AreTheRootsOfTheirPolynomial) {
   }
 }
 
+// (N + s F per_hz/(2 pi))/(P + s D per_hz/(2 pi)) of a biquad N/P; without a third zero the block behind has a pole alone.
+TEST(OpampPoles, AWayRoundMovesTheZeros) {
+  const Block biquad = make_block("biquad")
+                           .set("lowpass_gain", 0.4)
+                           .set("bandpass_gain", -0.3)
+                           .set("highpass_gain", 1.2)
+                           .set("natural_frequency_hz", 200.0)
+                           .set("damping_ratio", 0.6);
+  for (const double third : {0.9, 0.0}) {
+    PartChange opamp{.part = "U1"};
+    opamp.noise_gain = {2.0, 3.5, 1.5};
+    opamp.feedthrough = {0.7, -0.5, third};
+    for (const double per_hz : {1e-7, 3e-5, 4e-4}) {
+      const SlowSection made = slow_section(biquad, opamp, per_hz);
+      EXPECT_EQ(made.behind.type_name(), third == 0.0 ? "lowpass" : "pole_zero");
+      for (const double hz : {3.0, 150.0, 260.0, 4e4}) {
+        const Complex x(0.0, hz / 200.0), e(0.0, hz * per_hz);
+        const Complex wanted = (0.4 + x * (-0.3 + 1.2 * x) + e * (0.7 + x * (-0.5 + third * x))) /
+                               (1.0 + x * (1.2 + x) + e * (2.0 + x * (3.5 + 1.5 * x)));
+        const RadPerSecond w = Hertz{hz}.rad_s();
+        EXPECT_LT(std::abs(*made.section.response(w) * *made.behind.response(w) / wanted - 1.0), 1e-9)
+            << per_hz << " " << hz;
+      }
+    }
+  }
+}
+
 TEST(LinearKernels, InSeriesAreTheProductAndDelaysAdd) {
   LinearKernel first = pole_zero_kernel(2.0, 30.0, 100.0), second = pole_zero_kernel(-0.5, INFINITY, 7.0);
   first.delay_s = 1e-3;

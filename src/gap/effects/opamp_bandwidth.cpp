@@ -55,6 +55,16 @@ struct Place {
   double known_hz = INFINITY;
 };
 
+Unknown gain_bandwidth(const Scene& scene, double most) {
+  return logarithmic_unknown("gain_bandwidth_hz", std::min(0.5 * scene.band_hz, 0.5 * most), most);
+}
+
+Starts starts_below(const Scene& scene, double most) {
+  Starts out;
+  for (double factor : {100.0, 20.0, 4.0}) out.push_back({std::min(factor * scene.band_hz, 0.9 * most)});
+  return out;
+}
+
 Proposal slow(const Scene& scene, const std::vector<Place>& places) {
   Model model = *scene.model;
   Term term;
@@ -84,16 +94,38 @@ Proposal slow(const Scene& scene, const std::vector<Place>& places) {
   term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
   // One that is as good as the section says does nothing.
   const double most = std::min(1e4 * scene.band_hz, kSlower * places.front().known_hz);
-  term.unknowns = {logarithmic_unknown("gain_bandwidth_hz", std::min(0.5 * scene.band_hz, 0.5 * most), most)};
-  Starts starts;
-  for (double factor : {100.0, 20.0, 4.0}) starts.push_back({std::min(factor * scene.band_hz, 0.9 * most)});
+  term.unknowns = {gain_bandwidth(scene, most)};
   term.write = [found](Model& m, std::span<const double> v) {
     for (const auto& one : found) write_poles(m, one, v[0]);
   };
   term.reads_base_blocks = true;
   // It belongs inside its section, and taking its blocks out is all there is to undo.
   term.undo = [](Model&) {};
-  return propose_term(std::move(model), std::move(term), std::move(starts));
+  return propose_term(std::move(model), std::move(term), starts_below(scene, most));
+}
+
+/// One that something passes without: the section itself changes. `at`: a biquad.
+Proposal slow_with_a_way_round(const Scene& scene, std::size_t at, const chain::PartChange& opamp) {
+  Model model = *scene.model;
+  const int id = model.id_at(at);
+  const chain::Block good = model.at(at);
+  const double most = std::min(1e4 * scene.band_hz, kSlower * opamp.gain_bandwidth_hz);
+  const auto slowed = [good, opamp](double hz) {
+    return chain::slow_section(good, opamp, 1.0 / hz - 1.0 / opamp.gain_bandwidth_hz);
+  };
+  Term term;
+  const int behind = model.insert(at + 1, slowed(most).behind);
+  term.blocks = {behind};
+  term.part = opamp.part;
+  term.placed = inside_block(model, at);
+  term.unknowns = {gain_bandwidth(scene, most)};
+  term.write = [id, behind, slowed](Model& m, std::span<const double> v) {
+    chain::SlowSection now = slowed(v[0]);
+    m.block(id) = std::move(now.section);
+    m.block(behind) = std::move(now.behind);
+  };
+  term.undo = [id, good](Model& m) { m.block(id) = good; };
+  return propose_term(std::move(model), std::move(term), starts_below(scene, most));
 }
 
 void propose_all(const Scene& scene, const std::vector<Place>& places, std::vector<Proposal>& out) {
@@ -110,7 +142,9 @@ void propose_opamp_bandwidth(const Scene& scene, std::vector<Proposal>& out) {
     const auto& section = scene.model->at(at);
     if (section.parts) {
       for (const auto& part : *section.parts) {
-        if (!part.noise_gain.empty())
+        if (!part.feedthrough.empty()) {
+          out.push_back(slow_with_a_way_round(scene, at, part));
+        } else if (!part.noise_gain.empty())
           known.push_back({at, part.part, part.noise_gain, false, part.gain_bandwidth_hz});
       }
     } else if (section.has("pole_hz") && section.has("zero_hz")) {

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -33,18 +34,31 @@ constexpr double kCapacitorPercent = 5.0;
 /// Of the response: less is rounding.
 constexpr double kNoChange = 1e-9;
 
-/// Whether something passes the circuit, of ideal op-amps, at its stage's corner when this one is dead.
-bool has_way_round(synthesis::Circuit circuit, std::size_t opamp, Hertz corner) {
-  const auto response = [&] { return std::abs(schematic::network_response(circuit, {corner}).front()); };
-  const double alive = response();
+/// What passes the circuit, of ideal op-amps, when this one is dead, over what passes it.
+Complex left_without(synthesis::Circuit circuit, std::size_t opamp, Hertz f) {
+  const auto response = [&] { return schematic::network_response(circuit, {f}).front(); };
+  const Complex alive = response();
   circuit.other_opamps = {circuit.opamp};
   circuit.other_opamps[0].dc_gain = 1.0 / circuit.opamp.dc_gain;
   circuit.opamps[opamp].type = 1;
-  return response() > kNoChange * alive;
+  return response() / alive;
 }
 
-/// 1/beta of each op-amp of a stage, by the return ratio with all op-amps ideal. Those with a way round them are left out: a
-/// section's zeros move with them.
+/// Three numbers from two frequencies, u of the corner: real parts p0 - p2 u^2, imaginary ones p1 u.
+std::vector<double> polynomial_of(const std::function<Complex(double)>& at, bool quadratic) {
+  const Complex low = at(0.5);
+  const Complex high = at(2.0);
+  const double p2 = quadratic ? (low.real() - high.real()) / 3.75 : 0.0;
+  return {low.real() + 0.25 * p2, 0.5 * high.imag(), p2};
+}
+
+/// Whether the third zero that F makes of a biquad's two is far beyond them, in the left half-plane (chain::slow_section).
+bool has_far_zero(const Block& biquad, const std::vector<double>& feedthrough) {
+  return feedthrough[2] == 0.0 || biquad.get("highpass_gain") / feedthrough[2] > kNoChange;
+}
+
+/// 1/beta of each op-amp of a stage, by the return ratio with all op-amps ideal, and what passes without it. Left out: where that
+/// is something in a section of one pole, or makes a zero that no block has.
 void add_opamps(const synthesis::Circuit& circuit, std::size_t stage, const Block& block,
                 std::vector<PartChange>& out) {
   const schematic::Equations equations(circuit);
@@ -54,18 +68,27 @@ void add_opamps(const synthesis::Circuit& circuit, std::size_t stage, const Bloc
   // Of a gain any frequency will do.
   const Hertz corner{key.empty() ? 1.0 : block.get(key)};
   for (std::size_t i = 0; i < circuit.opamps.size(); ++i) {
-    if (circuit.opamps[i].group != stage || has_way_round(circuit, i, corner)) continue;
+    if (circuit.opamps[i].group != stage) continue;
     const auto numerator = [&](double u) {
       const RadPerSecond at = Hertz{u * corner.value}.rad_s();
       return Complex(two ? 1.0 - u * u : 1.0, p1 * u) * circuit.opamp.open_loop(at) /
              schematic::return_ratio(equations, circuit, i, at);
     };
-    // Three numbers from two frequencies: real parts d0 - d2 u^2, imaginary ones d1 u.
-    const Complex low = numerator(0.5);
-    const Complex high = numerator(2.0);
-    const double d2 = two ? (low.real() - high.real()) / 3.75 : 0.0;
     PartChange one{.part = circuit.opamps[i].name};
-    one.noise_gain = {low.real() + 0.25 * d2, 0.5 * high.imag(), d2};
+    one.noise_gain = polynomial_of(numerator, two);
+    if (std::abs(left_without(circuit, i, corner)) > kNoChange) {
+      if (block.type_name() != "biquad") continue;
+      one.feedthrough = polynomial_of(
+          [&](double u) {
+            const Hertz f{u * corner.value};
+            return *block.response(f.rad_s()) * left_without(circuit, i, f) * numerator(u);
+          },
+          true);
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (std::abs(one.feedthrough[k]) < kNoChange * std::abs(one.noise_gain[k])) one.feedthrough[k] = 0.0;
+      }
+      if (!has_far_zero(block, one.feedthrough)) continue;
+    }
     out.push_back(std::move(one));
   }
 }
@@ -119,8 +142,9 @@ void rescale_noise_gains(Block& section, double times) {
   auto parts = std::make_shared<std::vector<PartChange>>(*section.parts);
   for (PartChange& part : *parts) {
     if (part.noise_gain.empty()) continue;
-    part.noise_gain[1] *= times;
-    part.noise_gain[2] *= times * times;
+    for (std::vector<double>* polynomial : {&part.noise_gain, &part.feedthrough}) {
+      for (std::size_t k = 0; k < polynomial->size(); ++k) (*polynomial)[k] *= std::pow(times, k);
+    }
   }
   section.parts = std::move(parts);
 }
@@ -136,7 +160,8 @@ void make_real(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opa
   for (PartChange& part : *parts) {
     if (part.noise_gain.empty()) continue;
     part.gain_bandwidth_hz = opamp.gain_bandwidth.value;
-    for (std::size_t k = 0; k < 3; ++k) sum[k] += part.noise_gain[k];
+    // Next to a pole of one that something passes without stands a zero: the biquad has what both do near the corner.
+    for (std::size_t k = 0; k < 3 && part.feedthrough.empty(); ++k) sum[k] += part.noise_gain[k];
   }
   section.parts = std::move(parts);
   if (sum == std::vector<double>(3, 0.0)) return;

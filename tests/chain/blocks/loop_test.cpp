@@ -126,6 +126,36 @@ TEST(PartChange, ReadsBackAndNamesAWrongParameter) {
   EXPECT_THROW(model_from_node(parse_toml(wrong, "model.toml")), InputError);
 }
 
+TEST(PartChange, OfAnOpampReadsBack) {
+  Chain chain;
+  chain.blocks = {make_block("biquad").set("natural_frequency_hz", 50.0).set("damping_ratio", 0.7)};
+  PartChange opamp{.part = "U1"};
+  opamp.noise_gain = {1.5, 2.5, 3.5};
+  opamp.feedthrough = {-4.5, 0.0, 5.5};
+  opamp.gain_bandwidth_hz = 3e6;
+  chain.blocks[0].parts = std::make_shared<const std::vector<PartChange>>(std::vector<PartChange>{opamp});
+  const std::string text = model_text(chain);
+  const Chain read = model_from_node(parse_toml(text, "model.toml"));
+  EXPECT_EQ(model_text(read), text);
+  EXPECT_EQ(read.blocks[0].parts->at(0).noise_gain, opamp.noise_gain);
+  EXPECT_EQ(read.blocks[0].parts->at(0).feedthrough, opamp.feedthrough);
+  EXPECT_EQ(read.blocks[0].parts->at(0).gain_bandwidth_hz, 3e6);
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    std::string wrong = text;
+    wrong.replace(wrong.find(from), from.size(), to);
+    EXPECT_THROW(model_from_node(parse_toml(wrong, "model.toml")), InputError) << to;
+  };
+  refused("feedthrough = [-4.5, 0", "feedthrough = [-4.5");
+  refused("feedthrough = [-4.5", "feed = [-4.5");
+  // Only a biquad's numerator can move.
+  EXPECT_THROW(
+      model_from_node(parse_toml(
+          "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 5\n[block.parts]\n"
+          "U1 = {gain_bandwidth_hz = 1e6, noise_gain = [1, 2, 0], feedthrough = [1, 0, 0]}\n",
+          "model.toml")),
+      InputError);
+}
+
 TEST(LoopBlock, RefusesAGeneratorWithoutADrive) {
   Block block = make_block("loop");
   block.set("ascending", std::vector<double>{-1.5, 1.5, 0.0})

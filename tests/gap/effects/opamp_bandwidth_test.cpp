@@ -124,6 +124,40 @@ TEST(SlowOpamp, OfTwoPolesMakesAThird) {
   EXPECT_TRUE(stable.validation_error().empty());
 }
 
+// (N + s F/(2 pi f))/(P + s D/(2 pi f)): the section's own numerator moves, and is as it was when the term goes.
+TEST(SlowOpamp, ThatSomethingPassesWithoutChangesItsSection) {
+  const gap::Model base(model_of(
+      "[[block]]\ntype = \"biquad\"\nhighpass_gain = -1.5\nnatural_frequency_hz = 100.0\ndamping_ratio = 0.7\n[block.parts]\n"
+      "U1 = {gain_bandwidth_hz = 1e6, noise_gain = [0.0, 4.0, 1.0], feedthrough = [6.0, -3.0, -1.5]}\n"
+      "U2 = {gain_bandwidth_hz = 1e6, noise_gain = [3.0, 3.5, 1.0], feedthrough = [-2.0, -1.0, 0.0]}\n"));
+  const auto proposals = proposed("opamp_bandwidth", base);
+  ASSERT_EQ(proposals.size(), 2U);
+  const std::vector<std::vector<double>> d = {{0.0, 4.0, 1.0}, {3.0, 3.5, 1.0}};
+  const std::vector<std::vector<double>> f = {{6.0, -3.0, -1.5}, {-2.0, -1.0, 0.0}};
+  for (std::size_t k = 0; k < 2; ++k) {
+    gap::Model slow = proposals[k].model;
+    EXPECT_EQ(slow.terms().back().part, k == 0 ? "U1" : "U2");
+    EXPECT_EQ(slow.terms().back().placed, "inside block 1");
+    for (const double hz : {2e4, 3e3}) {
+      slow.set_values(std::vector{hz});
+      ASSERT_TRUE(slow.validation_error().empty()) << slow.validation_error();
+      for (const double at : {3.0, 80.0, 140.0, 3e3}) {
+        const made::Complex s(0.0, at / 100.0);
+        const auto x = s * 100.0 * (1.0 / hz - 1e-6);
+        const auto quadratic = [&](const std::vector<double>& q) { return q[0] + s * (q[1] + s * q[2]); };
+        const auto wanted =
+            (-1.5 * s * s + x * quadratic(f[k])) / (1.0 + s * (1.4 + s) + x * quadratic(d[k]));
+        EXPECT_LT(std::abs(slow.chain().response(Hertz{at}.rad_s()).value() / wanted - 1.0), 1e-9)
+            << hz << " " << at;
+      }
+    }
+    slow.remove(0);
+    EXPECT_EQ(slow.size(), 1U);
+    EXPECT_EQ(slow.at(0).get("highpass_gain"), -1.5);
+    EXPECT_EQ(slow.at(0).get("bandpass_gain"), 0.0);
+  }
+}
+
 // A drifted capacitor of a section of two poles, by the name of its part where that is known.
 TEST(CapacitorMismatch, OfTwoPolesIsNamed) {
   const std::string section =

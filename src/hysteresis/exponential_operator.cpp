@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "numeric/optimisation/root.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -41,26 +42,9 @@ double ExponentialOperators::solve(double y) const {
   if (!(y > 0.0)) return 0.0;
   double total = 0.0;
   for (const double part : k) total += part;
-  double low = 0.0;
   double high = y / total;
   while (gain_curve(high) < y && high < 1e300) high *= 2.0;
-  double x = high;
-  double best = high;
-  double best_error = std::abs(gain_curve(high) - y);
-  for (int i = 0; i < 200; ++i) {
-    const double error = gain_curve(x) - y;
-    if (std::abs(error) < best_error) {
-      best = x;
-      best_error = std::abs(error);
-    }
-    if (error == 0.0) break;
-    (error > 0.0 ? high : low) = x;
-    const double newton = x - error / slope(x);
-    const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
-    if (next == x || next <= low || next >= high) break;
-    x = next;
-  }
-  return best;
+  return root_between([&](double x) { return gain_curve(x) - y; }, 0.0, high);
 }
 
 bool ExponentialOperators::rises() const {

@@ -102,6 +102,24 @@ TEST(Fractional, SectionsAgreeWithGrunwaldLetnikovAndTheFrequencyResponse) {
   EXPECT_LT(std::abs(sum / model.response({0.0, w}) - 1.0), 1e-3);
 }
 
+/// No time, no change; peek() is what step() will say at any step, rho t and delta in it.
+TEST(Fractional, PeeksAreStepsAtAnyStepAndNoTimeChangesNothing) {
+  FractionalDynamic model = table_1();
+  model.rho = -0.14;
+  model.delta = 0.072;
+  FractionalOperator op(model);
+  op.reset(0.2);
+  double y = 0.0;
+  for (const double dt : {1e-3, 1e-3, 2e-3, 5e-4, 5e-4, 1e-2}) {
+    const double u = 0.3 + 20.0 * dt;
+    const double ahead = op.peek(u, dt);
+    y = op.step(u, dt);
+    EXPECT_EQ(ahead, y) << dt;
+    EXPECT_EQ(op.step(0.9, 0.0), y) << dt;
+    EXPECT_EQ(op.peek(0.9, 0.0), y) << dt;
+  }
+}
+
 TEST(Fractional, Equation20AgainstTheFullDenominator) {
   const FractionalPolynomial full = table_1().denominator();
   ASSERT_EQ(full.size(), 8u);

@@ -77,6 +77,13 @@ TEST(UpdateStream, EveryWrongByteIsNamed) {
       block.data[i] = static_cast<std::uint8_t>(block.data[i] ^ 0x40);
     }
   }
+  // A block goes on in the next bank behind byte 31.
+  stream.blocks.push_back({.bank = 200, .byte = 30, .data = {1, 2, 3}});
+  const auto strange = compare_with_plan(stream, seed_plan().chips[0], project, {});
+  ASSERT_EQ(strange.size(), 3u);
+  EXPECT_THAT(strange[1], HasSubstr("bank 200"));
+  EXPECT_THAT(strange[2], HasSubstr("bank 201"));
+  stream.blocks.pop_back();
   stream.blocks.pop_back();
   EXPECT_FALSE(compare_with_plan(stream, seed_plan().chips[0], project, {}).empty());
 }

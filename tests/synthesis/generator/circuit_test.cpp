@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "synthesis/generator/at_rest.hpp"
 #include "synthesis/generator/budget.hpp"
@@ -104,6 +105,54 @@ TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
         EXPECT_NEAR(d[2], horner(layout.branches[b].wanted, 0.7), 1e-8) << "group " << group;
         EXPECT_NEAR(d[3], horner(layout.branches[b].wanted, 1.0), 1e-8) << "group " << group;
       }
+    }
+  }
+}
+
+TEST(Layout, OfAnyFullScaleItMakesThePolynomial) {
+  Options options;
+  options.resistors = synthesis::Series::named("exact");
+  for (const double full : {0.5, 1.0, 2.5}) {
+    options.full_scale_v = full;
+    const DisturbanceCircuit layout =
+        layout_of({{"up", {0.2, 0.3, -0.1}, {}}, {"down", {-0.2, 0.1}, {}}}, options);
+    const RestWiring wiring(layout);
+    const AtRest rest(wiring, Deviations::none(layout));
+    for (size_t b = 0; b < 2; ++b) {
+      const std::vector<double> d = curve(rest, b, {0.3, 1.0});
+      EXPECT_NEAR(d[0], horner(layout.branches[b].wanted, 0.3), 1e-8) << full;
+      EXPECT_NEAR(d[1], horner(layout.branches[b].wanted, 1.0), 1e-8) << full;
+    }
+  }
+}
+
+TEST(Layout, ReadsBranchesAndNamesWhatIsWrongInThem) {
+  const auto read = [](const std::string& rest) {
+    return Input::from_node(parse_json(R"({"schema": "bodesmith.disturbance/1", )" + rest + "}", "d.json"));
+  };
+  const Input two = read(R"("amplitude": {"alpha": [0.5, 1]}, "branches": [{"coefficients": [0.1, 0.2]},
+    {"name": "down", "coefficients": [-0.3], "amplitude": [0.4, 1]}])");
+  ASSERT_EQ(two.branches.size(), 2u);
+  EXPECT_EQ(two.branches[0].name, "branch 1");
+  EXPECT_EQ(two.branches[0].coefficients, (std::vector<double>{0.1, 0.2}));
+  EXPECT_EQ(two.branches[1].name, "down");
+  EXPECT_EQ(two.branches[1].amplitude, (std::vector<double>{0.4, 1.0}));
+  EXPECT_EQ(two.alpha, (std::vector<double>{0.5, 1.0}));
+  for (const auto& [wrong, said] : std::vector<std::pair<std::string, std::string>>{
+           {R"("branches": [])", "has 0 branches"},
+           {R"("branches": [{"coefficients": []}])", "has 0 numbers"},
+           {R"("branches": [{"coefficients": [1,1,1,1,1,1,1,1]}])", "has 8 numbers"},
+           {R"("branches": [{"coefficients": [1], "gain": 2}])", "is not known here"},
+           {R"("branches": [{"coefficients": [1], "amplitude": [1]}])", "has 1 gains"},
+           {R"("amplitude": {"alpha": []}, "branches": [{"coefficients": [1]}])", "is empty"},
+           {R"("amplitude": {"alpha": [0, 1]}, "branches": [{"coefficients": [1]}])", "out of order"},
+           {R"("amplitude": {"alpha": [0.5, 0.5]}, "branches": [{"coefficients": [1]}])", "out of order"}}) {
+    try {
+      read(wrong);
+      FAIL() << wrong;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("d.json:1: "), std::string::npos) << error.what();
     }
   }
 }

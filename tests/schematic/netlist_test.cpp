@@ -322,6 +322,82 @@ TEST(RestPoint, AnOpAmpsDiodesRectify) {
   }
 }
 
+/// Drawn circuits of stages that load one another rest, with drawn errors, in both positions and wherever they come from, where all
+/// equations at once say.
+TEST(RestPoint, DrawnCircuitsRestWhereAllEquationsAtOnceSay) {
+  Random random(11);
+  const auto whole = [&](std::size_t n) {
+    return std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(n)), n - 1);
+  };
+  for (int circuit = 0; circuit < 60; ++circuit) {
+    Netlist n;
+    n.analog_switch.on_ohm = 50.0;
+    n.sources = {{"V1", "", "v1", 0.7}};
+    // Resistors hang on what sources and op-amps drive; multipliers and followers read any node.
+    std::vector<std::string> nodes = {"in", "v1"}, driven = nodes;
+    const auto source = [&] { return driven[whole(driven.size())].c_str(); };
+    const auto any = [&] { return nodes[whole(nodes.size())].c_str(); };
+    for (int stage = 0; stage < 8; ++stage) {
+      const std::string k = std::to_string(stage), y = "y" + k, m = "m" + k, u = "u" + k;
+      std::string made = y;
+      const auto part = [&](const char* name, const char* from, const std::string& to) {
+        n.parts.push_back(ohms((name + k).c_str(), from, to.c_str(), std::exp(7.0 + 3.0 * random.uniform())));
+      };
+      const std::size_t kind = whole(6);
+      if (kind == 0 || kind == 4) {  // a sum; one that rectifies
+        part("Ra", source(), m), part("Rb", source(), m), part("Rf", m.c_str(), y);
+        n.opamps.push_back({"U" + k, "", 0, "0", m, kind == 0 ? y : u});
+        if (kind == 4) {
+          n.parts.push_back(diode(("D" + k).c_str(), y.c_str(), u.c_str()));
+          n.parts.push_back(diode(("E" + k).c_str(), u.c_str(), m.c_str()));
+          made = "z" + k;  // nothing loads it
+          n.opamps.push_back({"F" + k, "", 0, y, made, made});
+        }
+      } else if (kind == 1) {
+        part("Ra", source(), y), part("Rb", source(), m), part("Rc", y.c_str(), m),
+            part("Rd", m.c_str(), "0");
+      } else if (kind == 2) {
+        n.multipliers.push_back({"M" + k, "", 0, any(), any(), any(), y, 0.0});
+      } else if (kind == 3) {
+        n.contacts.push_back({"S" + k, 0, source(), y, "c", 0});
+        n.contacts.push_back({"T" + k, 0, source(), y, "c", 1});
+        part("Ra", y.c_str(), "0");
+      } else {
+        n.opamps.push_back({"U" + k, "", 0, any(), y, y});
+      }
+      nodes.push_back(made);
+      if (kind != 1 && kind != 3) driven.push_back(made);
+    }
+    Deviations off = Deviations::none(n);
+    for (double& one : off.part) one = 0.1 * random.uniform() - 0.05;
+    for (double& one : off.opamp_offset_v) one = 0.02 * random.uniform() - 0.01;
+    for (MultiplierDeviation& one : off.multiplier) one.x = 0.02 * random.uniform(), one.w = -0.01;
+    const RestOrder order(n, {"in"});
+    RestPoint moved(order, off);
+    for (const double in : {0.5, -0.4, 0.1}) {
+      for (const int position : {0, 1}) {
+        RestPoint fresh(order, off);
+        std::map<std::string, double> start;
+        for (RestPoint* one : {&moved, &fresh}) one->set(order.node("in"), in), one->settle(position);
+        for (const std::string& node : nodes) {
+          start[node] = moved.volts(node);
+          EXPECT_NEAR(moved.volts(node), fresh.volts(node), 1e-9 * (1.0 + std::abs(fresh.volts(node))))
+              << node;
+        }
+        for (const Part& one : n.parts) {
+          for (const std::string& node : {one.from, one.to}) start[node] = moved.volts(node);
+        }
+        const auto all = operating_point(n, {{"in", in}}, position, off, start);
+        for (const std::string& node : nodes) {
+          if (node == "in" || !all.contains(node)) continue;
+          EXPECT_NEAR(all.at(node), moved.volts(node), 1e-8 * (1.0 + std::abs(moved.volts(node))))
+              << node << " of " << circuit;
+        }
+      }
+    }
+  }
+}
+
 // Vos (1 + R2/R1) + Ib (R2 + Rp (1 + R2/R1)), the currents of both inputs at their worst.
 TEST(Offset, OfAnInvertingAmplifierByHand) {
   Netlist n;

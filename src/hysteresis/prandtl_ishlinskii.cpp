@@ -43,11 +43,15 @@ void validate_plays(const PrandtlIshlinskii& model) {
     throw DesignError(
         fmt::format("r has {} and w has {} numbers, expected as many", model.r.size(), model.w.size()));
   if (model.r.front() != 0.0) throw DesignError("r does not begin with 0, expected 0 = r[0] < r[1] < …");
+  if (!model.e.empty() && model.e.size() != model.w.size())
+    throw DesignError(
+        fmt::format("e has {} numbers, expected none or as many as w ({})", model.e.size(), model.w.size()));
   double sum = 0.0;
+  for (const double e : model.e) sum += std::min(0.0, e);
   for (std::size_t i = 0; i < model.r.size(); ++i) {
     if (i > 0 && !(model.r[i] > model.r[i - 1]))
       throw DesignError("r does not rise, expected 0 = r[0] < r[1] < …");
-    sum += model.w[i];
+    sum += model.w[i] - (model.e.empty() ? 0.0 : std::min(0.0, model.e[i]));
     if (!(sum > 0.0))
       throw DesignError(fmt::format("the sum of w[0..{}] is not above 0, expected a rising output", i));
   }
@@ -73,6 +77,7 @@ PrandtlIshlinskii PrandtlIshlinskii::from(const Parameters& values) {
   out.w = values.list("w");
   out.s = values.list("s");
   out.v = values.list("v");
+  out.e = values.list("e");
   out.gamma = values.list("gamma");
   out.u_0 = values.number("u_0");
   out.offset = values.number("offset");
@@ -195,18 +200,24 @@ double PrandtlIshlinskiiOperator::step(double u, double) {
     z[n - 1] = std::max(v - r[n - 1], std::min(v + r[n - 1], z[n - 1]));
     p += w[n - 1] * z[n - 1];
   }
-  return model_.offset + shape(p + sums[1]);
+  p += sums[1];
+  for (std::size_t i = 0; i < model_.e.size(); ++i) p += model_.e[i] * std::max(0.0, v - z[i]);
+  return model_.offset + shape(p);
 }
 
 double PrandtlIshlinskiiOperator::peek(double u, double) const {
   const double v = model_.envelope(u);
   double p = 0.0;
-  for (std::size_t i = 0; i < z_.size(); ++i)
-    p += model_.w[i] * std::max(v - model_.r[i], std::min(v + model_.r[i], z_[i]));
+  for (std::size_t i = 0; i < z_.size(); ++i) {
+    const double z = std::max(v - model_.r[i], std::min(v + model_.r[i], z_[i]));
+    p += model_.w[i] * z;
+    if (!model_.e.empty()) p += model_.e[i] * std::max(0.0, v - z);
+  }
   return model_.offset + shape(p);
 }
 
 PrandtlIshlinskiiInverse::PrandtlIshlinskiiInverse(PrandtlIshlinskii model) : model_(std::move(model)) {
+  if (!model_.e.empty()) throw DesignError("stops of unlike halves, e, have no inverse in closed form");
   const std::size_t n = model_.r.size();
   r_.resize(n);
   w_.resize(n);
@@ -283,6 +294,7 @@ class PrandtlIshlinskiiType final
                 optional_list_of(any_number("s", "y", "thresholds of the one-sided dead zones (asymmetry)")),
                 optional_list_of(
                     any_number("v", "1", "weights of the dead zones, 1 + their sum on either side > 0")),
+                optional_list_of(any_number("e", "y/u", "weights of the stops' positive halves (asymmetry)")),
                 optional_list_of(
                     any_number("gamma", "1", "[c0, c1, c2, c3] of the envelope c0 tanh(c1 x + c2) + c3")),
                 any_number("u_0", "u", "input at which the virgin curve starts").with_default(0.0),

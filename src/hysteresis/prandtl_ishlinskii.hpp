@@ -13,14 +13,15 @@ namespace bodesmith::hysteresis {
 /// Journal of Control 9 (2003) 407; envelope after Al Janaideh, Rakheja and Su, IEEE/ASME Trans. Mechatronics
 /// 16 (2011) 734).
 ///   play:        z_i(t) = max(v − r_i, min(v + r_i, z_i(t⁻))),        0 = r_0 < r_1 < …     (units of v)
-///   bank:        p(t)   = Σ w_i z_i,                                  w_0 > 0, w_i ≥ 0 and Σ_{j≤i} w_j > 0
+///   bank:        p(t)   = Σ w_i z_i + Σ e_i max(0, v − z_i),          w_0 > 0, Σ_{j≤i} w_j + Σ_{j>i} min(0, e_j) > 0
 ///   dead zones:  S(p)   = p + Σ_k v_k d(p, s_k),  d(p, s) = max(p − s, 0) for s > 0, min(p − s, 0) for s < 0
 ///   envelope:    v      = γ(u − u_0), γ(x) = c0 tanh(c1 x + c2) + c3 when `gamma` is given, else v = u − u_0
 ///   output:      y      = offset + S(p).
-/// Without dead zones the loops are centrally symmetric. Rate-independent; wiping-out and congruency hold for
-/// v → p.
+/// Without dead zones and e the loops are centrally symmetric. Rate-independent; wiping-out holds, and without e
+/// congruency for v → p. v − z_i is the stop of play i: e_i says how much more it weighs above zero than below, as of friction that
+/// holds harder one way (stops and plays: Brokate and Sprekels, Hysteresis and Phase Transitions, 1996, ch. 2).
 ///
-/// Analytic inverse (Kuhnen): v = w'_0 p + Σ w'_i play_{r'_i}(p), with
+/// Analytic inverse of models without e (Kuhnen): v = w'_0 p + Σ w'_i play_{r'_i}(p), with
 ///   r'_i = Σ_{j≤i} w_j (r_i − r_j),  w'_0 = 1/w_0,  w'_i = −w_i / (Σ_{j≤i} w_j · Σ_{j<i} w_j),
 /// states z'_i = Σ_{j≤i} w_j z_i + Σ_{j>i} w_j z_j; S⁻¹ is piecewise linear; γ⁻¹ in closed form.
 struct PrandtlIshlinskii {
@@ -28,6 +29,7 @@ struct PrandtlIshlinskii {
   std::vector<double> w;
   std::vector<double> s;  ///< dead-zone thresholds, any order, none 0
   std::vector<double> v;
+  std::vector<double> e;      ///< empty, or as many as w
   std::vector<double> gamma;  ///< empty or {c0, c1, c2, c3}
   double u_0 = 0.0;
   double offset = 0.0;

@@ -33,6 +33,22 @@ TEST(PrandtlIshlinskii, OnePlayIsBacklash) {
   EXPECT_NEAR(op.step(0.0, 1.0), 0.5, 1e-9);
 }
 
+// x - .6 max(0, s) - .2 min(0, s) of the stop s of radius .5, by hand.
+TEST(PrandtlIshlinskii, AStopMayWeighMoreAboveZero) {
+  PrandtlIshlinskii model;
+  model.r = {0.0, 0.5};
+  model.w = {0.8, 0.2};
+  model.e = {0.0, -0.4};
+  PrandtlIshlinskiiOperator op(model);
+  EXPECT_NEAR(op.reset(0.0), 0.0, 1e-15);
+  EXPECT_NEAR(op.step(0.4, 1.0), 0.4 - 0.6 * 0.4, 1e-15);
+  EXPECT_NEAR(op.step(2.0, 1.0), 2.0 - 0.6 * 0.5, 1e-15);
+  EXPECT_NEAR(op.peek(1.2, 1.0), 1.2 + 0.2 * 0.3, 1e-15);
+  EXPECT_NEAR(op.step(1.2, 1.0), 1.2 + 0.2 * 0.3, 1e-15);
+  EXPECT_NEAR(op.step(-1.0, 1.0), -1.0 + 0.2 * 0.5, 1e-15);
+  EXPECT_THROW(PrandtlIshlinskiiInverse{model}, DesignError);
+}
+
 TEST(PrandtlIshlinskii, AnalyticInverseIsExactOverRandomMotion) {
   Random random(7);
   for (const auto start : {PrandtlIshlinskii::Start::rest_zero, PrandtlIshlinskii::Start::from_above,
@@ -113,6 +129,13 @@ TEST(PrandtlIshlinskii, RefusesWhatHasNoMeaning) {
   values.set("w", std::vector<double>{1.0});
   EXPECT_THROW(make_model("prandtl_ishlinskii", values), DesignError);
   values.set("r", std::vector<double>{0.5});
+  EXPECT_THROW(make_model("prandtl_ishlinskii", values), DesignError);
+  // In its upper half, before it gives way, the stop takes more than all: the output falls.
+  values.set("r", {0.0, 1.0}).set("w", {0.8, 0.2}).set("e", {0.0, -0.7});
+  EXPECT_NO_THROW(make_model("prandtl_ishlinskii", values));
+  values.set("e", {0.0, -0.9});
+  EXPECT_THROW(make_model("prandtl_ishlinskii", values), DesignError);
+  values.set("e", std::vector<double>{0.1});
   EXPECT_THROW(make_model("prandtl_ishlinskii", values), DesignError);
 }
 

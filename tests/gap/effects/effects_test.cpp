@@ -384,5 +384,28 @@ TEST(Effects, ALoopWithoutWidthIsNoName) {
   EXPECT_FALSE(Judged("asymmetric_hysteresis", false, {0.5, 0.001, 0.0, 0.5, -0.001, 0.0}).no_name());
 }
 
+// Nine plays, of which the fourth weighs, and what a knee in the middle of the upper half bends.
+TEST(Effects, PlaysWithoutAKneeAreNoAsymmetricMemory) {
+  const auto bent = [](double v) {
+    const double middle = 0.5 * Judged("offset", false, {0.0}).scene.boundary[0].high;
+    return Judged("asymmetric_hysteresis", false, {0, 0, 0, 0.5, 0, 0, 0, 0, 0, middle, v, 0, 1}).no_name();
+  };
+  EXPECT_TRUE(bent(0.01));
+  EXPECT_FALSE(bent(0.2));
+  EXPECT_FALSE(bent(-0.2));
+  EXPECT_TRUE(bent(4.9));
+}
+
+// Halves of a stop that weigh the same are hysteresis.
+TEST(Effects, AStopOfEvenHalvesIsNoName) {
+  const auto stop = [](double above, double below) {
+    return Judged("asymmetric_hysteresis", false, {0.2, above, below}).no_name();
+  };
+  const double least = gap::BoundOptions().explained;
+  EXPECT_TRUE(stop(0.3 * (1.0 + 0.98 * least), 0.3 * (1.0 - 0.98 * least)));
+  EXPECT_FALSE(stop(0.3 * (1.0 + 1.02 * least), 0.3 * (1.0 - 1.02 * least)));
+  EXPECT_FALSE(stop(0.3, 0.6));
+}
+
 }  // namespace
 }  // namespace effects_of

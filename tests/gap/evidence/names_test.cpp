@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -45,6 +46,35 @@ TEST(NoNames, AKinkOfASensorIsNotAsymmetricMemory) {
   for (const auto& step : d.steps) EXPECT_NE(step.effect, "asymmetric_hysteresis");
   EXPECT_TRUE(d.verdict == gap::Verdict::partly_explained || d.verdict == gap::Verdict::unexplained);
   EXPECT_GT(d.final.holdout_rms, 1.5 * 0.002);
+}
+
+/// Friction that holds less the one way than the other: x - .6 max(0, s) - below min(0, s), s the stop x - play(x) of radius .15.
+TimeRecord held_unevenly(double below, unsigned seed) {
+  auto record = measured_with("[[block]]\ntype = \"gain\"\ngain = 1.0\n", seed);
+  double play = 0.0;
+  for (std::size_t i = 0; i < record.u.size(); ++i) {
+    const double x = record.u[i];
+    play = std::max(x - 0.15, std::min(x + 0.15, play));
+    const double stop = x - play;
+    record.y[i] += -0.6 * std::max(0.0, stop) - below * std::min(0.0, stop);
+  }
+  return record;
+}
+
+// Asymmetric memory whose loop leans one way is that, alone; of equal halves it is hysteresis.
+TEST(NoNames, MemoryHasTheNameOfItsHalves) {
+  const auto model = model_of("[[block]]\ntype = \"gain\"\ngain = 1.05\nfree = [\"gain\"]\n");
+  const auto name = [&](double below) {
+    const auto d = gap::diagnose(
+        model,
+        gap::Study::of({held_unevenly(below, 1), held_unevenly(below, 2)}, {held_unevenly(below, 3)}, model),
+        {});
+    std::string names;
+    for (const auto& step : d.steps) names += step.effect + " ";
+    return names;
+  };
+  EXPECT_EQ(name(0.2), "asymmetric_hysteresis ");
+  EXPECT_EQ(name(0.6), "hysteresis ");
 }
 
 // A lag of some samples, and one of a two-hundredth of a sample.

@@ -4,16 +4,10 @@
 
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-/// A jump, over the usual change of Gaussian noise (which reaches five of its deviations in a million
-/// samples).
-constexpr double kJump = 8.0;
-/// Deviation of Gaussian numbers whose absolute value has the median 1.
-constexpr double kDeviationPerMedian = 1.4826;
 /// Samples on each side of a jump that may be under the noise of single ones: means of n see one that is 1/sqrt(n) as high.
 constexpr std::size_t kSamplesEachSide = 16;
 
@@ -36,13 +30,8 @@ double plainest_step(const std::vector<double>& v, std::size_t n) {
 Sign jumps(const Leftover& record) {
   Sign sign{SignKind::jumps, 0.0};
   const std::vector<double>& v = record.residual;
-  std::vector<double> change(v.size() - 1);
-  for (std::size_t i = 1; i < v.size(); ++i) change[i - 1] = std::abs(v[i] - v[i - 1]);
-  const double largest = *std::max_element(change.begin(), change.end());
-  const double usual = kDeviationPerMedian * median(std::move(change));
-  if (!(usual > 0.0)) return sign;
   const auto figure = [](const std::vector<double>& of) { return plainest_step(of, kSamplesEachSide); };
-  sign.strength = std::max(largest / (kJump * usual), figure(v) / on_surrogates(v, figure).limit());
+  sign.strength = figure(v) / on_surrogates(v, figure).limit();
   return sign;
 }
 

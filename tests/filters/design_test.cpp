@@ -67,6 +67,21 @@ TEST(LeastOrder, KeepsTheMaskAndOneLessDoesNot) {
   EXPECT_NEAR(level_db(place(low.prototype, low.placing), 1e3), -1.0, 1e-9);
 }
 
+// What lies mirrored in log f has the same prototype: selectivities are ratios of the edges, either way round.
+TEST(LeastOrder, OfAHighPassIsThatOfItsMirrorImage) {
+  for (const Family* family : family_registry().all()) {
+    if (family->name() == "gaussian" || family->name() == "bessel") continue;
+    const MaskedDesign low =
+        least_order(*family, {Kind::lowpass, {Hertz{1e3}, {}}, {Hertz{2e3}, {}}, 1.0, 40.0});
+    const MaskedDesign high =
+        least_order(*family, {Kind::highpass, {Hertz{1e3}, {}}, {Hertz{500.0}, {}}, 1.0, 40.0});
+    EXPECT_EQ(high.order, low.order) << family->name();
+    const Sections a = place(low.prototype, low.placing), b = place(high.prototype, high.placing);
+    for (const double ratio : {0.3, 1.0, 1.7, 2.0, 5.0})
+      EXPECT_NEAR(level_db(a, 1e3 * ratio), level_db(b, 1e3 / ratio), 1e-6) << family->name() << " " << ratio;
+  }
+}
+
 TEST(LeastOrder, SaysWhenNoOrderDoes) {
   const Mask steep{Kind::lowpass, {Hertz{1e3}, {}}, {Hertz{1.001e3}, {}}, 0.1, 80.0};
   EXPECT_THROW(least_order(family_registry().get("butterworth"), steep), DesignError);

@@ -67,6 +67,22 @@ TEST(PrandtlIshlinskii, AnalyticInverseIsExactOverRandomMotion) {
   }
 }
 
+// Every play stands at its upper edge after a fall from far above, at its lower one after a rise: moving on the same way it moves at once.
+TEST(PrandtlIshlinskii, StartsFromAboveOrBelow) {
+  PrandtlIshlinskii model;
+  model.r = {0.0, 0.3, 0.7};
+  model.w = {0.8, 0.1, 0.25};
+  for (const double way : {1.0, -1.0}) {
+    model.start = way > 0.0 ? PrandtlIshlinskii::Start::from_above : PrandtlIshlinskii::Start::from_below;
+    PrandtlIshlinskiiOperator op(model);
+    EXPECT_NEAR(op.reset(0.2), 1.15 * 0.2 + way * (0.1 * 0.3 + 0.25 * 0.7), 1e-15);
+    EXPECT_NEAR(op.step(0.2 - 0.05 * way, 1.0), 1.15 * (0.2 - 0.05 * way) + way * (0.1 * 0.3 + 0.25 * 0.7),
+                1e-15);
+    EXPECT_NEAR(op.step(0.2, 1.0), 0.8 * 0.2 + 0.35 * (0.2 - 0.05 * way) + way * (0.1 * 0.3 + 0.25 * 0.7),
+                1e-15);
+  }
+}
+
 TEST(PrandtlIshlinskii, EnvelopeInverseTellsWhenOutOfReach) {
   PrandtlIshlinskii model = asymmetric_model();
   model.s.clear();

@@ -78,15 +78,22 @@ TEST(ModalPropagator, EightSectionsAreExactWithoutASecondRun) {
 }
 
 TEST(ModalPropagator, EqualSectionsGoByTheFullMatrix) {
-  const std::vector<double> corners(8, 30.0);
   const chain::LinearKernel one = std::get<chain::LinearKernel>(lowpass_row({30.0}).blocks[0].kernel());
   EXPECT_TRUE(modal_pairs(one).has_value());
   EXPECT_FALSE(modal_pairs(in_series(one, one)).has_value());
   const TimeRecord in = noise_record(1500, 1e-3);
-  const Result got = simulate(lowpass_row(corners), in, Options());
-  const double error = max_difference(got.y, lowpasses_exactly(corners, in));
-  EXPECT_LT(error, *got.error_estimate);
-  EXPECT_LT(error, 1e-14);
+  for (const std::size_t count : {8U, 14U}) {  // of a fixed size, and of any
+    const std::vector<double> corners(count, 30.0);
+    const Result got = simulate(lowpass_row(corners), in, Options());
+    const double error = max_difference(got.y, lowpasses_exactly(corners, in));
+    EXPECT_LT(error, *got.error_estimate) << count;
+    EXPECT_LT(error, 1e-13) << count;
+  }
+  Chain direct;
+  for (int i = 0; i < 14; ++i)
+    direct.blocks.push_back(make_block("pole_zero").set("zero_hz", 28.0).set("pole_hz", 30.0));
+  const Result alone = simulate(direct, in, by_record(1, Start::zero));
+  EXPECT_LT(max_difference(alone.y, simulate(direct, in, by_record(3, Start::zero)).y), 1e-8);
 }
 
 /// A chain of every kind of linear block: real and complex modes, an odd number of them, constants.

@@ -55,6 +55,12 @@ void read_free(Block& block, const Node& free) {
   }
 }
 
+std::vector<double> quadratic_from(const Node& node) {
+  std::vector<double> out = node.numbers();
+  if (out.size() != 3) node.fail("has not three numbers, expected those of 1, s/w and (s/w)^2");
+  return out;
+}
+
 /// `parts`: a table a part, {unit, tolerance, "parameter" = [slope, bend], …}; of an op-amp {gain_bandwidth_hz,
 /// noise_gain = [d0, d1, d2]}, and feedthrough = [f0, f1, f2] where something passes without it.
 std::shared_ptr<const std::vector<PartChange>> parts_from_node(const Block& block, const Node& node) {
@@ -62,16 +68,10 @@ std::shared_ptr<const std::vector<PartChange>> parts_from_node(const Block& bloc
   for (const auto& [part, table] : node.members()) {
     if (table.has("noise_gain")) {
       table.allow_only({"noise_gain", "feedthrough", "gain_bandwidth_hz"});
-      const auto three = [&table](const char* key) {
-        const std::vector<double> numbers = table.at(key).numbers();
-        if (numbers.size() != 3)
-          table.at(key).fail("has not three numbers, expected those of 1, s/w and (s/w)^2");
-        return numbers;
-      };
       PartChange opamp{.part = part};
-      opamp.noise_gain = three("noise_gain");
+      opamp.noise_gain = quadratic_from(table.at("noise_gain"));
       if (table.has("feedthrough")) {
-        opamp.feedthrough = three("feedthrough");
+        opamp.feedthrough = quadratic_from(table.at("feedthrough"));
         if (block.type_name() != "biquad") table.at("feedthrough").fail("stands at no biquad, expected one");
       }
       opamp.gain_bandwidth_hz = table.at("gain_bandwidth_hz").positive();

@@ -83,7 +83,7 @@ TEST(SharedValues, FindTheSharpModeBehindTheLoops) {
   EXPECT_LT(d.final.train_rms, 0.11);
 }
 
-struct Hidden {
+struct HiddenInRecord {
   const char* name;
   const char* base;
   const char* truth;
@@ -91,7 +91,7 @@ struct Hidden {
   std::set<std::string> names;
 };
 
-class OftenStuck : public testing::TestWithParam<Hidden> {};
+class OftenStuck : public testing::TestWithParam<HiddenInRecord> {};
 TEST_P(OftenStuck, IsNamedAndNothingElse) {
   const auto& hidden = GetParam();
   const auto base = model_of(hidden.base);
@@ -113,13 +113,13 @@ INSTANTIATE_TEST_SUITE_P(
     Records, OftenStuck,
     testing::Values(
         // Every edge of the clock stands on a sample.
-        Hidden{"curve_behind_a_hold",
-               kFreeGain,
-               "[[block]]\ntype = \"sample_hold\"\nclock_hz = 111.11111111111111\n"
-               "[[block]]\ntype = \"polynomial\"\ncoefficients = [0.0, 1.5, 0.2]\n",
-               0.02,
-               {"sample_hold", "quadratic_nonlinearity"}},
-        Hidden{
+        HiddenInRecord{"curve_behind_a_hold",
+                       kFreeGain,
+                       "[[block]]\ntype = \"sample_hold\"\nclock_hz = 111.11111111111111\n"
+                       "[[block]]\ntype = \"polynomial\"\ncoefficients = [0.0, 1.5, 0.2]\n",
+                       0.02,
+                       {"sample_hold", "quadratic_nonlinearity"}},
+        HiddenInRecord{
             "clock_faster_than_a_short_record",
             kFreeGainAndPole,
             "[[block]]\ntype = \"sample_hold\"\nclock_hz = 1086.0\n[[block]]\ntype = \"gain\"\ngain = 1.5\n"
@@ -127,11 +127,12 @@ INSTANTIATE_TEST_SUITE_P(
             1e-4,
             {"sample_hold"}},
         // Neither radius is one of the bank's.
-        Hidden{"two_plays",
-               kFreeGain,
-               "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0, 0.033, 0.071]\nw = [1.5, 0.4, 0.5]\n",
-               0.001,
-               {"hysteresis"}}),
+        HiddenInRecord{
+            "two_plays",
+            kFreeGain,
+            "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0, 0.033, 0.071]\nw = [1.5, 0.4, 0.5]\n",
+            0.001,
+            {"hysteresis"}}),
     [](const auto& hidden) { return hidden.param.name; });
 
 }  // namespace

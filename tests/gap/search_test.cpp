@@ -40,19 +40,18 @@ TEST_P(HiddenEffect, IsNamedAtTenTimesTheNoise) {
   const auto outcome = hidden::expect_right(World::formulas, Kind::effect, GetParam(), rows_of(GetParam()));
   EXPECT_GT(outcome.closure, 0.8) << hidden::line_of(outcome);
 }
-INSTANTIATE_TEST_SUITE_P(
-    Search, HiddenEffect,
-    testing::Values(Hidden{"gain", "saturation", 400}, Hidden{"gain", "hysteresis", 402},
-                    Hidden{"gain", "mains_hum", 402}, Hidden{"resonator", "cubic_stiffness", 403},
-                    Hidden{"resonator", "time_delay", 404}, Hidden{"gain", "drift", 405},
-                    Hidden{"sections", "dead_zone", 406}, Hidden{"sections", "capacitor_mismatch", 407},
-                    Hidden{"sections", "opamp_bandwidth", 410}, Hidden{"fixed_gain", "gain_error", 409}),
-    hidden::HiddenName());
+INSTANTIATE_TEST_SUITE_P(Search, HiddenEffect,
+                         testing::Values(Hidden{"gain", "saturation", 400}, Hidden{"gain", "mains_hum", 402},
+                                         Hidden{"resonator", "cubic_stiffness", 403},
+                                         Hidden{"gain", "drift", 405},
+                                         Hidden{"sections", "opamp_bandwidth", 410},
+                                         Hidden{"fixed_gain", "gain_error", 409}),
+                         hidden::HiddenName());
 
 std::vector<Hidden> controls() {
   std::vector<Hidden> all;
   std::uint64_t seed = 900;
-  for (const char* base : {"gain", "resonator", "sections"}) {
+  for (const char* base : {"gain", "resonator"}) {
     for (const auto& kind : hidden::control_kinds()) all.push_back({base, kind.c_str(), ++seed});
   }
   return all;

@@ -22,7 +22,7 @@ struct CircuitFile {
   static CircuitFile from_node(const Node& node);
 };
 
-/// `resistor_percent` and `capacitor_percent`, each above 0 and below 100; what is not there is as usual.
+/// `resistor_percent` and `capacitor_percent`, each 0 or more and below 100; what is not there is as usual.
 schematic::Tolerances tolerances_from(const Node& node);
 Json to_json(const schematic::Tolerances& tolerances);
 

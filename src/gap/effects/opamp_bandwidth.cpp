@@ -55,14 +55,16 @@ struct Place {
   double known_hz = INFINITY;
 };
 
-Unknown gain_bandwidth(const Scene& scene, double most) {
-  return logarithmic_unknown("gain_bandwidth_hz", std::min(0.5 * scene.band_hz, 0.5 * most), most);
+/// The greatest gain-bandwidth that is told: one that is as good as the section says does nothing.
+double most_hz(const Scene& scene, double known_hz) {
+  return std::min(1e4 * scene.band_hz, kSlower * known_hz);
 }
 
-Starts starts_below(const Scene& scene, double most) {
-  Starts out;
-  for (double factor : {100.0, 20.0, 4.0}) out.push_back({std::min(factor * scene.band_hz, 0.9 * most)});
-  return out;
+Proposal propose_slower(const Scene& scene, Model model, Term term, double most) {
+  term.unknowns = {logarithmic_unknown("gain_bandwidth_hz", std::min(0.5 * scene.band_hz, 0.5 * most), most)};
+  Starts starts;
+  for (double factor : {100.0, 20.0, 4.0}) starts.push_back({std::min(factor * scene.band_hz, 0.9 * most)});
+  return propose_term(std::move(model), std::move(term), std::move(starts));
 }
 
 Proposal slow(const Scene& scene, const std::vector<Place>& places) {
@@ -92,16 +94,13 @@ Proposal slow(const Scene& scene, const std::vector<Place>& places) {
   }
   term.part = join(parts, ", ");
   term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
-  // One that is as good as the section says does nothing.
-  const double most = std::min(1e4 * scene.band_hz, kSlower * places.front().known_hz);
-  term.unknowns = {gain_bandwidth(scene, most)};
   term.write = [found](Model& m, std::span<const double> v) {
     for (const auto& one : found) write_poles(m, one, v[0]);
   };
   term.reads_base_blocks = true;
   // It belongs inside its section, and taking its blocks out is all there is to undo.
   term.undo = [](Model&) {};
-  return propose_term(std::move(model), std::move(term), starts_below(scene, most));
+  return propose_slower(scene, std::move(model), std::move(term), most_hz(scene, places.front().known_hz));
 }
 
 /// One that something passes without: the section itself changes. `at`: a biquad.
@@ -109,7 +108,7 @@ Proposal slow_with_a_way_round(const Scene& scene, std::size_t at, const chain::
   Model model = *scene.model;
   const int id = model.id_at(at);
   const chain::Block good = model.at(at);
-  const double most = std::min(1e4 * scene.band_hz, kSlower * opamp.gain_bandwidth_hz);
+  const double most = most_hz(scene, opamp.gain_bandwidth_hz);
   const auto slowed = [good, opamp](double hz) {
     return chain::slow_section(good, opamp, 1.0 / hz - 1.0 / opamp.gain_bandwidth_hz);
   };
@@ -118,14 +117,13 @@ Proposal slow_with_a_way_round(const Scene& scene, std::size_t at, const chain::
   term.blocks = {behind};
   term.part = opamp.part;
   term.placed = inside_block(model, at);
-  term.unknowns = {gain_bandwidth(scene, most)};
   term.write = [id, behind, slowed](Model& m, std::span<const double> v) {
     chain::SlowSection now = slowed(v[0]);
     m.block(id) = std::move(now.section);
     m.block(behind) = std::move(now.behind);
   };
   term.undo = [id, good](Model& m) { m.block(id) = good; };
-  return propose_term(std::move(model), std::move(term), starts_below(scene, most));
+  return propose_slower(scene, std::move(model), std::move(term), most);
 }
 
 void propose_all(const Scene& scene, const std::vector<Place>& places, std::vector<Proposal>& out) {
@@ -144,8 +142,9 @@ void propose_opamp_bandwidth(const Scene& scene, std::vector<Proposal>& out) {
       for (const auto& part : *section.parts) {
         if (!part.feedthrough.empty()) {
           out.push_back(slow_with_a_way_round(scene, at, part));
-        } else if (!part.noise_gain.empty())
+        } else if (!part.noise_gain.empty()) {
           known.push_back({at, part.part, part.noise_gain, false, part.gain_bandwidth_hz});
+        }
       }
     } else if (section.has("pole_hz") && section.has("zero_hz")) {
       const bool free = std::any_of(section.parameters().begin(), section.parameters().end(),

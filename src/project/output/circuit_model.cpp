@@ -141,7 +141,6 @@ void fit_biquad(Block& section, const std::vector<Hertz>& grid, const std::vecto
 void rescale_noise_gains(Block& section, double times) {
   auto parts = std::make_shared<std::vector<PartChange>>(*section.parts);
   for (PartChange& part : *parts) {
-    if (part.noise_gain.empty()) continue;
     for (std::vector<double>* polynomial : {&part.noise_gain, &part.feedthrough}) {
       for (std::size_t k = 0; k < polynomial->size(); ++k) (*polynomial)[k] *= std::pow(times, k);
     }
@@ -161,7 +160,8 @@ void make_real(const synthesis::Circuit& ideal, const synthesis::OpAmpModel& opa
     if (part.noise_gain.empty()) continue;
     part.gain_bandwidth_hz = opamp.gain_bandwidth.value;
     // Next to a pole of one that something passes without stands a zero: the biquad has what both do near the corner.
-    for (std::size_t k = 0; k < 3 && part.feedthrough.empty(); ++k) sum[k] += part.noise_gain[k];
+    if (!part.feedthrough.empty()) continue;
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += part.noise_gain[k];
   }
   section.parts = std::move(parts);
   if (sum == std::vector<double>(3, 0.0)) return;

@@ -94,6 +94,7 @@ TEST(SpiceReader, OpAmpsOfSeveralTypes) {
       ".subckt t in out\nR1 in m 1k\nR2 m a 1k\nXa 0 m a TL072\nR3 a n 1k\nR4 n out 1k\nXb 0 n out op27\n.ends\n";
   const Netlist netlist = read(two, "t.sub");
   EXPECT_EQ(netlist.opamp.name, "TL072");
+  EXPECT_EQ(netlist.groups.size(), 2u);  // the parts behind the first op-amp begin another
   EXPECT_EQ(netlist.model_of(netlist.opamps[1]).name, "OP27");
   // A third one, and all of them printed and read back.
   SpiceLibrary three = read_spice(two.substr(0, two.size() - 6) + "E2 q 0 out 0 5\n.ends\n", "t.sub");

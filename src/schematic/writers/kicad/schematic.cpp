@@ -11,7 +11,6 @@
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "base/version.hpp"
 #include "schematic/writers/kicad/devices.hpp"
 #include "schematic/writers/kicad/text.hpp"
 #include "signal/csv.hpp"

@@ -156,6 +156,21 @@ TEST(TimeRecord, RefusesGapsAndJitterByLine) {
             ":3: time_s does not rise, expected uniform sampling");
 }
 
+/// A file is this program's own, and none of the instruments' formats is tried, where its columns say so.
+TEST(TimeRecord, OwnColumnsNeedNoOtherFormat) {
+  const TemporaryFolder folder;
+  const auto own = [&](const std::string& text, bool times_given) {
+    write_file(folder / "r.csv", text);
+    Provenance from;
+    if (times_given) from.sample_hz = 2.0;
+    TimeRecord::read_csv(folder / "r.csv", from);
+    return from.inputs.at(0).read_as.empty();
+  };
+  EXPECT_TRUE(own("time_s,u\n0,1\n1,2\n", false));
+  EXPECT_TRUE(own("# a note\nu,y\n1,2\n3,4\n", true));
+  EXPECT_FALSE(own("Time (s),Channel 1 (V)\n0,1\n1,2\n", false));
+}
+
 TEST(FrequencyRecord, BecomesComplex) {
   const TemporaryFolder folder;
   write_file(folder / "f.csv", "frequency_hz,magnitude_db,phase_deg\n1,0,90\n2,20,180\n");

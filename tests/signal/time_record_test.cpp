@@ -29,6 +29,10 @@ TEST(TimeRecord, TheInputsExtentIsThatOfWhatIsNotSkipped) {
   EXPECT_EQ(seen.upper, 6.0);
   EXPECT_EQ(seen.max_rate_per_s, 10.0);
   EXPECT_EQ(input_extent(records).max_rate_per_s, 18.0);
+  // The last sample counts however much is skipped.
+  const SignalExtent last = input_extent(records, 1e9);
+  EXPECT_EQ(last.lower, 3.0);
+  EXPECT_EQ(last.upper, 6.0);
 }
 
 TEST(TimeRecord, TheInputsBandIsThatOfItsChanges) {

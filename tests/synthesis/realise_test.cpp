@@ -1,5 +1,6 @@
 #include "synthesis/realise.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 
 #include "base/documents/document.hpp"
 #include "base/error.hpp"
+#include "kept_text.hpp"
 #include "lti/sections.hpp"
 #include "schematic/analysis/response.hpp"
 #include "seed_sections.hpp"
@@ -123,6 +125,7 @@ TEST(Realise, AllShapesOfSections) {
       {"complex zeros, real poles", section_of(1.0, {{-4, 99}, {-4, -99}}, {-50.0, -200.0})},
       {"real zeros, complex poles", section_of(1.0, {-10.0, -1000.0}, {{-20, 97}, {-20, -97}})},
   };
+  std::string parts;
   for (const auto& [name, section] : shapes) {
     for (const double gain : {1.0, -0.5}) {
       Sections sections;
@@ -141,6 +144,10 @@ TEST(Realise, AllShapesOfSections) {
                 1e-8)
           << name;
       const Realised real = realise(sections);
+      parts += fmt::format("{} {}:", name, gain);
+      for (const schematic::Part& part : real.circuit.parts)
+        parts += fmt::format(" {} {}-{} {:.4g}", part.name, part.from, part.to, part.realised);
+      parts += "\n";
       // Zeros on or near the axis: decibels at the bottom of the dip say little.
       const double limit = std::string(name) == "notch" ? 40.0 : (wanted_depth(section) ? 0.4 : 0.15);
       EXPECT_LT(
@@ -152,6 +159,7 @@ TEST(Realise, AllShapesOfSections) {
       EXPECT_LT(real.report.parts.max_magnitude_db, limit) << name << " " << gain;
     }
   }
+  expect_kept("synthesis/kept_parts.txt", parts);
 }
 
 TEST(Realise, GainWithoutPoles) {

@@ -9,10 +9,12 @@
 
 #include "base/documents/json.hpp"
 #include "fpaa/cams/transfer_function.hpp"
+#include "fpaa/controller/gains.hpp"
 #include "fpaa/controller/io.hpp"
 #include "fpaa/controller/run.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 #include "fpaa/seed_sections.hpp"
+#include "kept_text.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -285,6 +287,9 @@ TEST(Controller, AskedForWayIsTaken) {
 
 TEST(Controller, IsAPlanWithEveryWire) {
   const Controller controller = value_or_throw(make_controller(seed_with_rates(), nullptr, nullptr, {}));
+  expect_kept("fpaa/kept_controller.txt", controller_sheet(controller) +
+                                              gain_sets_csv(controller.best(), seed_with_rates()) +
+                                              line_a_key(controller.to_json()));
   for (const ControllerVariant& v : controller.variants) {
     if (!v.fits()) continue;
     const Plan plan = controller_plan(v);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <complex>
+#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -12,7 +13,9 @@
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"
+#include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
+#include "kept_text.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -205,6 +208,11 @@ TEST(MakePlan, ThirtyTwoSectionsComeOnTheBoard) {
   EXPECT_LE(plan.error_with_delays.max_complex_percent, 1.0);
 }
 
+std::string all_said(const Plan& plan) {
+  return build_sheet_markdown(plan) + line_a_key(plan.to_json()) + "picture " +
+         digest(board_picture_svg(plan)) + "\n";
+}
+
 TEST(BuildSheet, NamesEveryCamClockAndCapacitor) {
   const Plan& plan = seed_plan();
   const std::string sheet = build_sheet_markdown(plan);
@@ -217,6 +225,8 @@ TEST(BuildSheet, NamesEveryCamClockAndCapacitor) {
   EXPECT_THAT(sheet, HasSubstr("Chip Clock 0"));
   EXPECT_THAT(sheet, HasSubstr("Output Phase Phase 1"));
   EXPECT_THAT(build_sheet_html(plan), HasSubstr("</html>"));
+  expect_kept("fpaa/kept_seed.txt",
+              all_said(plan) + "page " + digest(few_digits(build_sheet_html(plan))) + "\n");
 }
 
 }  // namespace
@@ -238,44 +248,44 @@ Sections a_little_off(Sections sections, int seed) {
   return sections;
 }
 
-/// Every CAM, clock and capacitor.
-std::vector<std::string> built(const Plan& plan) {
-  std::vector<std::string> out;
-  for (const PlacedCam* cam : plan.cams()) {
-    std::string line = std::string(cam->cam_name()) + " " + std::to_string(cam->clock_a.value);
-    for (const Capacitor& c : cam->capacitors) line += " " + c.name + std::to_string(c.units);
-    out.push_back(std::move(line));
-  }
-  return out;
-}
-
 std::vector<std::complex<double>> resonance(double hz, double quality) {
   const double w = 2.0 * M_PI * hz;
   const std::complex<double> p(-0.5 * w / quality, w * std::sqrt(1.0 - 0.25 / (quality * quality)));
   return {p, std::conj(p)};
 }
 
-TEST(LastBits, DecideNoPartOfAPlan) {
+struct KeptPlan {
+  const char* name;
+  Sections sections;
+  Band band;
+};
+
+class LastBits : public testing::TestWithParam<KeptPlan> {};
+
+/// The kept texts are those of the sections as they are.
+TEST_P(LastBits, DecideNoPartOfAPlan) {
+  const auto& [name, sections, band] = GetParam();
+  PlanOptions options;
+  options.band = band;
+  const Plan plan =
+      plan_of(std::getenv("BODESMITH_KEEP") != nullptr ? sections : a_little_off(sections, 1), options);
+  expect_kept(fmt::format("fpaa/kept_{}.txt", name), all_said(plan));
+}
+
+std::vector<KeptPlan> kept_plans() {
   Sections two = seed_sections(), low, high, all_pass;
   two.sections.resize(2);
   const double w = 2.0 * M_PI * 1000.0;
   low.sections = {{w * w, {}, resonance(1000.0, 0.7)}, {0.5 * w, {}, {-0.5 * w}}};
   high.sections = {{1.0, {0.0, 0.0}, resonance(20.0, 1.0)}};
   all_pass.sections = {{-1.0, {w}, {-w}}};
-  const struct {
-    Sections sections;
-    Band band;
-  } cases[] = {{two, {{1.0}, {100.0}}},
-               {low, {{50.0}, {3000.0}}},
-               {high, {{5.0}, {200.0}}},
-               {all_pass, {{10.0}, {10e3}}}};
-  for (const auto& one : cases) {
-    PlanOptions options;
-    options.band = one.band;
-    const std::vector<std::string> wanted = built(plan_of(one.sections, options));
-    EXPECT_EQ(built(plan_of(a_little_off(one.sections, 1), options)), wanted) << one.band.to.value;
-  }
+  return {{"two_sections", two, {{1.0}, {100.0}}},
+          {"low_pass", low, {{50.0}, {3000.0}}},
+          {"high_pass", high, {{5.0}, {200.0}}},
+          {"all_pass", all_pass, {{10.0}, {10e3}}}};
 }
+INSTANTIATE_TEST_SUITE_P(Plans, LastBits, testing::ValuesIn(kept_plans()),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
 }  // namespace bodesmith::fpaa

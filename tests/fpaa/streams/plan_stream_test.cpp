@@ -18,6 +18,7 @@
 #include "fpaa/streams/stream_check.hpp"
 #include "fpaa/streams/stream_file.hpp"
 #include "fpaa/streams/stream_output.hpp"
+#include "kept_text.hpp"
 
 namespace bodesmith::fpaa::an231 {
 namespace {
@@ -100,6 +101,9 @@ TEST(An231Plan, ParallelPathsOfSeveralClocksOverTwoChips) {
   // The files bring the same memory back.
   OutputSet files = stream_files(plan, streams, "plan.json");
   EXPECT_EQ(files.paths().size(), 5u);
+  expect_kept("fpaa/kept_streams.txt", digests(files) + first_power_on(plan, streams) + board_text(board) +
+                                           board_json(board).dump() + "\n" +
+                                           stream_json(streams, 0.25).dump() + "\n");
   // One clock below 31.4 kHz is none here: no warning of it.
   for (const std::string& w : streams.warnings) EXPECT_THAT(w, Not(HasSubstr("No public stream")));
 }

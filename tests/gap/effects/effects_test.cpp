@@ -1,4 +1,6 @@
 // Laws of all effects' proposals: they are in the units of the record, and one of their starts is near what is missing.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,6 +17,7 @@
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
 #include "gap/search_options.hpp"
+#include "kept_text.hpp"
 #include "signal/statistics.hpp"
 
 namespace effects_of {
@@ -199,6 +202,53 @@ TEST(Effects, ProposeInTheUnitsOfTheRecord) {
     }
     EXPECT_GE(proposing, 20);
   }
+}
+
+/// Terms, the ranges and starts of their unknowns, and what the last start makes of the record, at three digits.
+std::string said_of(const gap::Effect& effect, std::vector<gap::Proposal> proposals,
+                    const TimeRecord* record) {
+  std::string out;
+  for (gap::Proposal& one : proposals) {
+    out += fmt::format("{} {}:", effect.name(), one.model.terms().back().placed);
+    for (const gap::Unknown& u : one.model.terms().back().unknowns)
+      out += fmt::format(" {} {:.3g} to {:.3g}, {} {:.3g} {:.3g};", u.name, u.low, u.high,
+                         u.logarithmic ? "log" : "by", u.scale, u.hop);
+    for (const auto& start : one.starts) {
+      for (const double value : start) out += fmt::format(" {:.3g}", value + 0.0);
+      out += ";";
+    }
+    set_term(one.model, one.starts.back());
+    if (record == nullptr) {
+      const auto h = one.model.chain().response(Hertz{70.0}.rad_s());
+      out += h ? fmt::format(" {:.3g} {:.3g}", h->real(), h->imag()) : " no response";
+    } else {
+      const auto y = output_of(one.model, *record);
+      for (const std::size_t k : {1U, 77U, 300U, 599U}) out += fmt::format(" {:.3g}", y[k] + 0.0);
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+TEST(Effects, ProposeWhatWasKept) {
+  const TimeRecord record = measured(
+      std::string(kEveryPlace) + "[[block]]\ntype = \"dead_zone\"\nwidth = 0.02\n", drive(600), 1e-3, 0.0, 1);
+  const gap::Model model(model_of(kEveryPlace));
+  const auto scene = gap::make_scene(model, {gap::TimeExperiment(record)});
+  const gap::Model small(
+      model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\n[[block]]\ntype = \"pole_zero\"\ngain = 1.25\n"
+               "zero_hz = 40.0\npole_hz = 160.0\n"));
+  const auto of_response = gap::make_scene(
+      small, {gap::FrequencyExperiment(made::measured(
+                 [](double hz) { return (2.0 + 0.5 * made::mode(hz, 80.0, 0.03)) * made::lag(hz, 300.0); },
+                 8.0, 512.0, 49, [](double) { return 0.003; }, 3))});
+  std::string all = fmt::format("{:.4g} to {:.4g} Hz, peaks at {:.4g}\n", scene.low_hz, scene.band_hz,
+                                fmt::join(scene.residual_peaks_hz, " "));
+  for (const gap::Effect* effect : gap::effect_registry().all()) {
+    all += said_of(*effect, proposals_of(*effect, scene), &record);
+    if (effect->facts().linear) all += said_of(*effect, proposals_of(*effect, of_response), nullptr);
+  }
+  expect_kept("gap/effects/kept_proposals.txt", all);
 }
 
 TEST(Effects, ProposeInTheUnitsOfTheResponse) {

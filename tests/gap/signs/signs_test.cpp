@@ -1,4 +1,5 @@
 // Signs that what is left is more than noise.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <random>
 
 #include "gap/signs/signs.hpp"
+#include "numeric/random.hpp"
 
 namespace {
 
@@ -152,6 +154,44 @@ TEST(Signs, ANarrowNotchStandsApartAndNoiseOfAnyLevelDoesNot) {
   auto notch = errors(1, 1.0);
   notch.response[160] += 25.0;
   EXPECT_TRUE(stands_apart(notch).found());
+}
+
+/// The strength of each sign in one record that has them all a little, to a hundredth: what is learnt from which part, how many
+/// cosines and surrogates there are.
+TEST(Signs, StrengthsAreThoseThatWereKept) {
+  bodesmith::Random random(3);
+  const auto made = [&](double phase) {
+    Leftover l;
+    l.step_s = 1e-3;
+    double slow = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      const double t = i / 1000.0, u = std::sin(40.0 * t + phase) + 0.4 * std::sin(97.0 * t),
+                   e = random.uniform() - 0.5;
+      slow += 0.05 * (e - slow);
+      l.input.push_back(u);
+      l.output.push_back(2.0 * u);
+      l.residual.push_back(e + 3.0 * slow + 0.3 * u * u + 0.2 * u * std::cos(3.0 * t) +
+                           (t > 0.7 ? 0.5 : 0.0) - 0.4 * t + 0.2 * std::sin(900.0 * t));
+    }
+    for (int i = 0; i < 120; ++i)
+      l.response.push_back(0.2 * (random.uniform() - 0.5) + 0.1 * std::sin(0.1 * i) +
+                           (i / 2 == 31 ? 2.0 : 0.0));
+    return l;
+  };
+  const Leftover a = made(0.0), b = made(1.0);
+  std::string all;
+  for (const Sign& one : {depends_on_signals(a, b), spectral_line(a), jumps(a), gain_varies(a),
+                          smooth_over_frequency(a), stands_apart(a), above_white_floor(a), straight_line(a)})
+    all += fmt::format("{} {:.2f}\n", to_string(one.kind), one.strength);
+  EXPECT_EQ(all,
+            "the residual can be foretold from input and output 0.44\n"
+            "a line stands in the residual's spectrum 1.22\n"
+            "the residual jumps 0.90\n"
+            "the gain varies with time 0.78\n"
+            "neighbouring frequencies err alike 0.22\n"
+            "single frequencies err far more than those around them 5.70\n"
+            "far more is left at low frequencies than the white floor of the noise 0.86\n"
+            "the residual holds a constant or a straight line 0.08\n");
 }
 
 }  // namespace

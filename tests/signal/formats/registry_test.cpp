@@ -1,13 +1,16 @@
 // Files of instruments and simulators. All samples hold one low-pass of 1 kHz (tests/signal/formats/README.md).
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <set>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "kept_text.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
 #include "signal/time_record.hpp"
@@ -156,6 +159,63 @@ INSTANTIATE_TEST_SUITE_P(Formats, ForeignRecord,
                                          RecordSample{"instek_codes.csv", 80, 0.0, 1e-4, 4.001e-3},
                                          RecordSample{"keysight_scope.csv:1,2", 80, -2e-3, 1e-4, 1e-9},
                                          RecordSample{"samples.csv", 80, 0.0, 1e-4, 1e-9}));
+
+/// Every sample as points, response, record and record at a given rate, with a few choices: what is said of it or why it is refused.
+TEST(ForeignFiles, AreReadOrRefusedAsWasKept) {
+  const fs::path folder = sample("");
+  std::set<std::string> names;
+  for (const auto& one : fs::directory_iterator(folder)) {
+    const std::string extension = one.path().extension().string();
+    if (extension != ".py" && extension != ".md" && extension != ".cpp" &&
+        !one.path().filename().string().starts_with("kept"))
+      names.insert(one.path().filename().string());
+  }
+  std::string all;
+  for (const std::string& name : names) {
+    for (const char* choice : {"", ":deg", ":nothing", ":1,2"}) {
+      const auto add = [&](const std::string& as, double rate, const auto& read) {
+        if (*choice != '\0' && (as == "points" || rate > 0.0)) return;
+        Provenance from;
+        if (rate > 0.0) from.sample_hz = rate;
+        std::string line;
+        try {
+          const double figure = read(sample(name + choice), from);
+          line = fmt::format("{:.5g}; {}", figure, from.inputs.at(0).read_as);
+        } catch (const InputError& error) {
+          line = error.what();
+          for (std::size_t at = line.find(folder.string()); at != std::string::npos;
+               at = line.find(folder.string()))
+            line.erase(at, folder.string().size());
+        }
+        all += name + choice + " as " + as + ": " + line + "\n";
+      };
+      add("points", 0.0, [](const fs::path& path, Provenance& from) {
+        double sum = 0.0;
+        for (const BodePoint& one : BodePoints::read_csv(path, from).points)
+          sum += one.gain + one.phase_deg.value_or(0.0) + 1e-3 * one.frequency.value + one.line;
+        return sum;
+      });
+      add("response", 0.0, [](const fs::path& path, Provenance& from) {
+        const FrequencyRecord record = FrequencyRecord::read_csv(path, from);
+        double sum = 0.0;
+        for (std::size_t i = 0; i < record.response.size(); ++i)
+          sum += record.response[i].real() + 2.0 * record.response[i].imag() +
+                 1e-3 * record.frequency[i].value + (record.coherence.empty() ? 0.0 : record.coherence[i]);
+        return sum;
+      });
+      for (const double rate : {0.0, 1e4}) {
+        add(rate > 0.0 ? "sampled record" : "record", rate, [](const fs::path& path, Provenance& from) {
+          const TimeRecord record = TimeRecord::read_csv(path, from);
+          double sum = record.start_s + 1e3 * record.step_s + static_cast<double>(record.size());
+          for (std::size_t i = 0; i < record.u.size(); ++i)
+            sum += static_cast<double>(i) * (record.u[i] + (record.y.empty() ? 0.0 : 2.0 * record.y[i]));
+          return sum;
+        });
+      }
+    }
+  }
+  expect_kept("signal/formats/kept_readings.txt", all);
+}
 
 // The same line in every unit that the option line can name; GHz where it names none.
 TEST(Touchstone, FrequenciesAreInTheUnitOfTheOptionLine) {

@@ -41,6 +41,10 @@ TEST(TextEncoding, WhatIsNoUtf8IsLatin1) {
                     "C \xB5V"),
             plain(u8"20 °C µV"));
   EXPECT_EQ(to_utf8("\xC3("), plain(u8"Ã("));  // begun, not ended
+  // Overlong, a surrogate, beyond the last character: bytes of Latin-1, each two of UTF-8.
+  for (const std::string odd : {"\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80", "\xF0\x80\x80\x80",
+                                "\xF4\x90\x80\x80", "\xF5\x80\x80\x80"})
+    EXPECT_EQ(to_utf8(odd).size(), 2 * odd.size());
   EXPECT_TRUE(begins_as_utf16(std::string("T\0i\0", 4), "Ti"));
   EXPECT_FALSE(begins_as_utf16("Ti", "Ti"));
   EXPECT_FALSE(begins_as_utf16(std::string("T\0i\1", 4), "Ti"));

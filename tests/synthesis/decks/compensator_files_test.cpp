@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
+#include "kept_text.hpp"
 #include "run_program.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/ngspice/ngspice.hpp"
@@ -27,7 +28,8 @@ TEST(ReferenceNetlists, PartsAreWhatTheProgramChoosesToday) {
   const Sections sections = Sections::read(kFolder / "sections.json", from);
   // Every part and the value it was given are the same; the wanted values may differ by rounding.
   const std::string kept = read_file(kFolder / "parts.csv");
-  const std::string now = parts_csv(realise(sections).circuit);
+  const Realised made = realise(sections);
+  const std::string now = parts_csv(made.circuit);
   const auto cells = [](const std::string& text) {
     std::vector<std::string> out;
     for (const std::string_view line : split(text, '\n')) {
@@ -44,6 +46,12 @@ TEST(ReferenceNetlists, PartsAreWhatTheProgramChoosesToday) {
     } else {
       EXPECT_EQ(before[i], after[i]);
     }
+  }
+  OutputSet files;
+  add_compensator_files(made, "compensator from sections.json", files);
+  for (const auto& path : files.paths()) {
+    if (path != "parts.csv" && std::filesystem::exists(kFolder / path))
+      expect_kept("../netlists/first_seed/" + path.string(), *files.content(path));
   }
 }
 

@@ -10,8 +10,10 @@
 
 #include "base/documents/document.hpp"
 #include "base/error.hpp"
+#include "kept_text.hpp"
 #include "synthesis/generator/at_rest.hpp"
 #include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/files.hpp"
 #include "synthesis/generator/made_layout.hpp"
 #include "synthesis/generator/timing.hpp"
 
@@ -40,6 +42,28 @@ TEST(Layout, SeedPolynomialsShareTwoMultipliers) {
     EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9) << node.name;
   }
   EXPECT_TRUE(layout.warnings.empty());
+}
+
+/// One after the other: the seed's, with amplitude gains, four branches by select lines, and one of degree seven.
+TEST(Layout, EveryFileIsTheOneThatWasKept) {
+  Disturbance rated = seed_disturbance();
+  rated.amplitude.alpha = {0.1, 0.5, 1.0};
+  rated.amplitude.ascending = {0.05, 0.45, 1.0};
+  rated.amplitude.descending = {0.4, 0.5, 0.8};
+  std::string all;
+  const auto add = [&](const DisturbanceCircuit& layout) {
+    OutputSet files;
+    add_layout_files(layout, "a layout",
+                     to_json(layout, make_budget(layout), make_timing(layout, {Hertz{10.0}, Hertz{1000.0}})),
+                     files);
+    all += digests(files) + disturbance_library(layout, "a layout");
+  };
+  add(make_layout(seed_disturbance()));
+  add(make_layout(rated));
+  add(layout_of(
+      {{"a", {0.2, 0.1}, {}}, {"b", {0.0, 0.4}, {}}, {"c", {-0.3}, {}}, {"d", {0.1, -0.2, 0.1}, {}}}));
+  add(layout_of({{"up", {0.1, -0.1, 0.1, -0.1, 0.1, 0.05, 0.05}, {}}}));
+  expect_kept("synthesis/kept_layouts.txt", all);
 }
 
 TEST(Layout, MultiplierCountsByDegree) {

@@ -1,5 +1,6 @@
 // RecordOptions: how long the record engine tries before it calls a run diverged (max_parts), and what it keeps of a run
 // (same_input).
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,12 +8,16 @@
 #include <numbers>
 #include <span>
 
+#include "chain/inverse.hpp"
 #include "chain/registry.hpp"
+#include "kept_text.hpp"
+#include "simulate/record/dense_signal.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::simulate {
 namespace {
 
+using chain::Block;
 using chain::Chain;
 using chain::make_block;
 
@@ -117,6 +122,91 @@ TEST(SameInput, BringsTheBitsOfARunFromTheBeginning) {
     RecordSimulator afresh(again.chain(), 1e-3);
     expect_same_bits(got, afresh.run(input), round++);
   }
+}
+
+/// A bend that no three samples show: the line ends where it has left the first one's, upwards as downwards.
+TEST(DenseSignal, ALineIsGivenUpOnEitherSide) {
+  std::size_t lines[2];
+  for (const double side : {1.0, -1.0}) {
+    TimeRecord record{"r", 0.0, 1e-3, {}, {}};
+    for (int i = 0; i < 200; ++i) record.u.push_back(side * (1.0 + 1e-14 * i * i));
+    lines[side > 0.0 ? 0 : 1] = DenseSignal::count_lines(record, 1000);
+  }
+  EXPECT_EQ(lines[0], lines[1]);
+  EXPECT_GT(lines[0], 5u);
+  EXPECT_LT(lines[0], 60u);
+}
+
+/// A block with numbers of which none is like another; where its type refuses these, whole ones. Lists fall and alternate, rise, or (the first) rise from 0.
+Block sampled_block(const chain::BlockType& type, int variant, bool whole = false) {
+  Block out(type);
+  bool first = true;
+  int i = variant;
+  for (const ParameterSpec& spec : type.specs()) {
+    const auto within = [&](double value) {
+      return std::clamp(value, std::max(spec.min, -1e9), std::min(spec.max, 1e9));
+    };
+    ++i;
+    if (spec.shape == ParameterSpec::Shape::list) {
+      std::vector<double> values;
+      for (int k = 0; k < 3; ++k) {
+        const double value = spec.is_frequency() ? 30.0 * (k + 1) : 0.1 + 0.2 * (variant == 0 ? 2 - k : k);
+        values.push_back(within(variant == 0 && k == 1  ? -value
+                                : variant == 2 && first ? value - 0.1
+                                                        : value));
+      }
+      out.set(spec.name, values);
+      first = false;
+    } else if (spec.shape == ParameterSpec::Shape::word) {
+      out.set_word(spec.name, spec.words[static_cast<std::size_t>(variant) % spec.words.size()]);
+    } else if (spec.shape == ParameterSpec::Shape::flag) {
+      out.set(spec.name, variant % 2);
+    } else {
+      out.set(spec.name, within(spec.is_frequency() ? 25.0 * i
+                                : spec.unit == "s"  ? 1.3e-3 * i
+                                : whole             ? 1.0
+                                                    : 0.15 * i));
+    }
+  }
+  return whole || !out.validate() ? out : sampled_block(type, variant, true);
+}
+
+/// What every type of block makes of two sines, its response and slowest time, and the input that gives the sines: three sets of
+/// numbers each, to four digits.
+TEST(Blocks, OfEveryTypeMakeWhatWasKept) {
+  std::vector<double> u(120);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    u[i] = 0.7 * std::sin(0.11 * static_cast<double>(i)) + 0.3 * std::sin(0.29 * static_cast<double>(i));
+  std::string all;
+  const auto add = [&](std::span<const double> values) {
+    for (const std::size_t k : {1U, 20U, 47U, 80U, 119U})
+      all += fmt::format(" {:.4g}", std::round(1e9 * values[k]) * 1e-9 + 0.0);
+  };
+  for (const chain::BlockType* type : chain::block_type_registry().all()) {
+    for (const int variant : {0, 1, 2}) {
+      const Block block = sampled_block(*type, variant);
+      all += fmt::format("{} {}:", type->name(), variant);
+      if (const auto wrong = block.validate()) {
+        all += " " + wrong->message + "\n";
+        continue;
+      }
+      RecordSimulator simulator(Chain{{block}}, 1e-3);
+      add(simulator.run(u));
+      all += fmt::format("; {:.4g} s", block.slowest_time_constant_s());
+      if (const auto h = block.response(Hertz{70.0}.rad_s()))
+        all += fmt::format("; {:.4g} {:.4g}", h->real(), h->imag());
+      if (const auto line = block.affine())
+        all += fmt::format("; {:.4g} u + {:.4g}", line->factor, line->constant);
+      // (A high-pass has none at rest.)
+      const auto found = block.inverse({0.0, 1e-3, u});
+      if (found && std::ranges::all_of(found->values, [](double v) { return std::abs(v) < 1e9; })) {
+        all += fmt::format("; {} out of reach, inverse", found->out_of_reach.size());
+        add(found->values);
+      }
+      all += "\n";
+    }
+  }
+  expect_kept("simulate/record/kept_blocks.txt", all);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "faults/circuit_board.hpp"
 #include "faults/diagnosis.hpp"
 #include "faults/report.hpp"
+#include "kept_text.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::faults {
@@ -52,13 +53,16 @@ void expect_told(const Diagnosis& d, const Board& board) {
 }
 
 Diagnosis diagnosed(const synthesis::Circuit& designed, const synthesis::Circuit& built,
-                    bool with_phase = true) {
+                    bool with_phase = true, const std::string& kept = "") {
   const std::vector<Hertz> grid = small_grid();
   Measurement measurement;
   measurement.channels.push_back(seen(grid, schematic::network_response(built, grid), 5, with_phase));
   const CircuitBoard board(designed, measurement, Spread());
   Diagnosis out = diagnose_board(board, DiagnosisOptions());
   expect_told(out, board);
+  if (!kept.empty())
+    expect_kept(kept, line_a_key(to_json(out, board, Spread(), Priors())) + summary_text(out) +
+                          digest(few_digits(report_page(out, board, "board"))) + " page\n");
   return out;
 }
 
@@ -74,7 +78,8 @@ bool among_tied(const Diagnosis& d, const std::string& part) {
 TEST(BoardDiagnosis, AGoodBoardIsNotAccused) {
   const synthesis::Circuit circuit = small_circuit();
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const Diagnosis d = diagnosed(circuit, drawn_parts(circuit, seed));
+    const Diagnosis d =
+        diagnosed(circuit, drawn_parts(circuit, seed), true, seed == 1u ? "faults/kept_good.txt" : "");
     EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << seed;
     EXPECT_GT(d.good_probability, 0.5) << seed;
   }
@@ -87,7 +92,7 @@ TEST(BoardDiagnosis, ACapacitorOfAnotherValueIsNamedOrTied) {
     if (circuit.parts[i].kind != schematic::Part::Kind::capacitor || capacitors++ % 2 != 0) continue;
     synthesis::Circuit built = drawn_parts(circuit, 7 + i);
     built.parts[i].realised *= 1.47;
-    const Diagnosis d = diagnosed(circuit, built);
+    const Diagnosis d = diagnosed(circuit, built, true, capacitors == 1 ? "faults/kept_capacitor.txt" : "");
     EXPECT_TRUE(d.verdict == Verdict::one_fault || d.verdict == Verdict::tie) << circuit.parts[i].name;
     EXPECT_TRUE(among_tied(d, circuit.parts[i].name)) << circuit.parts[i].name;
     if (d.verdict != Verdict::one_fault) continue;
@@ -113,7 +118,7 @@ TEST(BoardDiagnosis, TwoFaultsAtOnce) {
   }
   built.parts[capacitors.front()].realised *= 1.6;
   built.parts[capacitors.back()].realised *= 0.55;
-  const Diagnosis d = diagnosed(circuit, built);
+  const Diagnosis d = diagnosed(circuit, built, true, "faults/kept_two.txt");
   EXPECT_TRUE(d.verdict == Verdict::two_faults || d.verdict == Verdict::tie);
   EXPECT_EQ(d.suspects[0].best.faults.size(), 2u);
   EXPECT_TRUE(among_tied(d, built.parts[capacitors.front()].name));

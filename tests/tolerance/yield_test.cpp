@@ -7,6 +7,7 @@
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "kept_text.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/judge_responses.hpp"
 #include "numeric/random.hpp"
@@ -169,6 +170,7 @@ TEST(Yield, SeedSectionsLoseWhatTheFactsSay) {
   EXPECT_NEAR(wide.worst_db.quantile(0.95), 1.68, 0.12);
   options.spread.capacitor_percent = 1.0;
   EXPECT_NEAR(run_monte_carlo(seed_design(), options, Team()).worst_db.quantile(0.95), 0.44, 0.03);
+  expect_kept("tolerance/kept_yield.txt", line_a_key(to_json(wide, small())));
   EXPECT_LE(wide.worst_db.max, wide.worst_case_db);
   double share = 0.0;
   for (const PartRank& rank : wide.ranking) share += rank.share;

@@ -10,6 +10,7 @@
 
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
+#include "kept_text.hpp"
 #include "synthesis/controller/seed_controller.hpp"
 
 namespace bodesmith::tolerance {
@@ -53,6 +54,11 @@ TEST(ControllerReport, ThePageTellsSharesAndFiguresOfTheStudy) {
               HasSubstr(fmt::format("| 100 | {:.2g} | {:.2g} |", report.trims.before_at[1].median_percent,
                                     report.trims.before_at[1].p95_percent)));
   for (const TrimStep& step : report.trims.steps) EXPECT_THAT(page, HasSubstr(step.trim.how));
+  const auto controller = generator::seed_controller();
+  expect_kept("tolerance/controller/kept_report.txt",
+              line_a_key(to_json(report, controller)) + summary_text(report, controller) +
+                  digest(few_digits(page)) + " page\n" + digest(few_digits(draws_csv(report.study))) +
+                  " draws\n");
 }
 
 // The wiper goes from one reference to the other: through R1 and R2 to ground its ends are the trim's ends.

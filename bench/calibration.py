@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Are the probabilities of `bodesmith diagnose` right? Cases of two generators, the program's answers, and what became of them.
+"""Are the probabilities of `bodesmith diagnose` right? Cases of three generators, the program's answers, and what became of them.
 
-    bench/calibration.py draw --program build/bin/bodesmith --out DIR [--first I] [--count N] [--seconds S]
+    bench/calibration.py draw --program build/bin/bodesmith --out DIR [--first I] [--count N] [--seconds S] [--generators 1 2 3]
     bench/calibration.py show DIR/answers.jsonl [--fit-below I]
+    bench/calibration.py score DIR/answers.jsonl
+    bench/calibration.py misses DIR/answers.jsonl
     bench/calibration.py stability --program build/bin/bodesmith --out DIR [--count N] [--draws M]
 
-`draw` hides effects (hidden_effects.py, hidden_effects_too.py by turns; records of 400 to 900 samples in white, red and 1/f noise) and keeps
-for each case the truth and, of each step, every name that was fitted with its log evidence. `show` fits the temperature of the
+`draw` hides effects (hidden_effects.py, hidden_effects_too.py by turns, records of 400 to 900 samples in white, red and 1/f noise; on
+demand hidden_effects_third.py) and keeps for each case the truth and, of each step, every name that was fitted with its log evidence.
+`score` counts what was named, `misses` lists what was not. `show` fits the temperature of the
 probabilities on the cases below I, and prints the reliability diagram, the expected calibration error and the mean log score of the
 others.
 """
@@ -22,11 +25,15 @@ import time
 
 import hidden_effects as first
 import hidden_effects_too as second
+import hidden_effects_third as third
 
 
-def make(i, folder):
+def make(i, folder, generators=(1, 2)):
     """Case number i; what is hidden, and what the case is."""
-    if i % 2:
+    generator = generators[i % len(generators)]
+    if generator == 3:
+        return third.make_case(i, folder)
+    if generator == 2:
         return second.make_case(i, folder)
     kinds, base, noise, times = first.plan(f"calibration {i // 50}", 50)[i % 50]
     return first.make_case(random.Random(f"calibration {i}"), folder, kinds, base, noise, times, samples=(400, 900))
@@ -39,9 +46,13 @@ def rivals(step):
     return [["", step["log_evidence_without"], step["train_rms_before"], 0]] + fitted
 
 
+def training(folder):
+    return [name for name in ("a.csv", "b.csv", "c.csv") if os.path.exists(f"{folder}/{name}")]
+
+
 def answer(program, folder):
     t0 = os.times().children_user
-    code = subprocess.run([program, "diagnose", "model.toml", "--data", "a.csv", "b.csv", "--holdout", "h.csv", "-o", "out", "--threads", "1"],
+    code = subprocess.run([program, "diagnose", "model.toml", "--data", *training(folder), "--holdout", "h.csv", "-o", "out", "--threads", "1"],
                           cwd=folder, capture_output=True, text=True)
     if code.returncode != 0:
         return {"failed": code.stderr[-300:]}
@@ -63,8 +74,8 @@ def draw(args):
                 break
             folder = f"{args.out}/case"
             shutil.rmtree(folder, ignore_errors=True)
-            truth = make(i, folder)
-            truth["samples"] = sum(len(open(f"{folder}/{name}.csv").readlines()) - 1 for name in "ab")
+            truth = make(i, folder, args.generators)
+            truth["samples"] = sum(len(open(f"{folder}/{name}").readlines()) - 1 for name in training(folder))
             out.write(json.dumps({"case": i, "truth": truth, **answer(program, folder)}) + "\n")
             out.flush()
 
@@ -75,7 +86,7 @@ OUTSIDE = set(first.OUTSIDE)
 def hidden(row):
     """Names that are right; None where something outside the catalogue acts: then none is."""
     truth = row["truth"]
-    return None if truth.get("outside") or OUTSIDE.intersection(truth["kinds"]) else set(truth["kinds"])
+    return None if truth.get("outside") or OUTSIDE.intersection(truth["kinds"]) else {*truth["kinds"], *truth.get("allowed", [])}
 
 
 def told(row):
@@ -158,6 +169,50 @@ def show(args):
               f"as told {log_score(with_rms):.3f}, fitted {log_score([read_again(r, *best) for r in with_rms]):.3f}")
 
 
+def missed(row):
+    """Hidden names that no step says, itself or in its tie; names of steps that say none of the hidden ones. An outsider has neither."""
+    right = hidden(row)
+    if right is None:
+        return [], []
+    given = [{s["effect"], *s["tied_with"]} for s in row["steps"]]
+    return ([k for k in row["truth"]["kinds"] if not any(k in g for g in given)], [s["effect"] for s, g in zip(row["steps"], given) if not g & right])
+
+
+def five_times(row):
+    return row["truth"]["times"] is None or row["truth"]["times"] >= 5
+
+
+def wrong(row):
+    """Whether a case counts against the program."""
+    if hidden(row) is None:
+        return row["verdict"] not in ("unexplained", "partly_explained")
+    return bool(any(missed(row)) and (five_times(row) or not row["truth"]["kinds"]))
+
+
+def score(args):
+    rows = [r for r in map(json.loads, open(args.answers)) if "steps" in r]
+    large = [r for r in rows if hidden(r) is not None and r["truth"]["kinds"] and five_times(r)]
+    controls, outsiders = [r for r in rows if hidden(r) is not None and not r["truth"]["kinds"]], [r for r in rows if hidden(r) is None]
+    share = lambda a, b: f"{a} of {b} ({a / max(1, b):.3f})"
+    effects = sum(len(r["truth"]["kinds"]) for r in large)
+    print(f"{len(rows)} cases; at five times the noise and more named {share(effects - sum(len(missed(r)[0]) for r in large), effects)}, no extra name "
+          f"{share(sum(not missed(r)[1] for r in large), len(large))}")
+    print(f"controls accused {share(sum(bool(r['steps']) for r in controls), len(controls))}, outsiders told "
+          f"{share(sum(not wrong(r) for r in outsiders), len(outsiders))}")
+    cpu = sorted(r["cpu_s"] for r in rows)
+    print(f"processor: median {cpu[len(cpu) // 2]:.2f} s, longest {cpu[-1]:.1f} s; expected calibration error {diagram(rows)[1]:.3f}, mean log score {log_score(rows):.3f}")
+
+
+def misses(args):
+    for row in filter(lambda r: "steps" not in r or wrong(r), map(json.loads, open(args.answers))):
+        truth = row["truth"]
+        gap = {k: "/".join(f"{v:.3g}" for v in (g["train_rms"], g["holdout_rms"])) for k, g in row.get("gap", {}).items()}
+        told_here = [s["effect"] + "".join("|" + t for t in s["tied_with"]) + f" {s['placed']} p{s['probability']:.2f}" for s in row.get("steps", [])]
+        print(f"{row['case']} {'+'.join(truth['kinds']) or truth.get('outside') or 'control'}, {truth['base']}, {truth['noise']}, x{truth['times'] or 0:.1f}: "
+              f"{row.get('verdict', row.get('failed'))} {told_here}; signs {row.get('signs')}; gap {gap}; "
+              + str({k: truth[k] for k in ('places', 'sizes', 'sigma', 'shapes', 'rate_hz') if k in truth}))
+
+
 def said(row):
     """Names, their places and ties, and the verdict."""
     return [[s["effect"], s["placed"], sorted(s["tied_with"])] for s in row["steps"]], row["verdict"]
@@ -168,11 +223,11 @@ def moved(folder, draw, other):
     r = random.Random(f"{folder} {draw}")
     os.makedirs(other, exist_ok=True)
     shutil.copy(f"{folder}/model.toml", other)
-    for name in "abh":
-        lines = open(f"{folder}/{name}.csv").readlines()
+    for name in [*training(folder), "h.csv"]:
+        lines = open(f"{folder}/{name}").readlines()
         rows = [[float(v) for v in line.split(",")] for line in lines[1:]]
         size = max(row[2] for row in rows) - min(row[2] for row in rows)
-        with open(f"{other}/{name}.csv", "w") as f:
+        with open(f"{other}/{name}", "w") as f:
             f.write(lines[0])
             f.writelines(f"{t:.12g},{u:.12g},{y + 1e-9 * size * r.gauss(0, 1):.15g}\n" for t, u, y in rows)
 
@@ -185,8 +240,8 @@ def stability(args):
     with open(args.out + "/answers.jsonl", "a") as out:
         for i in range(args.first, args.first + args.count):
             shutil.rmtree(folder, ignore_errors=True)
-            truth = make(i, folder)
-            truth["samples"] = sum(len(open(f"{folder}/{name}.csv").readlines()) - 1 for name in "ab")
+            truth = make(i, folder, args.generators)
+            truth["samples"] = sum(len(open(f"{folder}/{name}").readlines()) - 1 for name in training(folder))
             row = {"case": i, "truth": truth, **answer(program, folder)}
             out.write(json.dumps(row) + "\n")
             out.flush()
@@ -209,7 +264,12 @@ def main():
     d.add_argument("--first", type=int, default=0)
     d.add_argument("--count", type=int, default=10**6)
     d.add_argument("--seconds", type=float, default=1e9)
+    d.add_argument("--generators", nargs="+", type=int, choices=(1, 2, 3), default=(1, 2), help="by turns")
     d.set_defaults(run=draw)
+    for name, run in (("score", score), ("misses", misses)):
+        c = sub.add_parser(name)
+        c.add_argument("answers")
+        c.set_defaults(run=run)
     s = sub.add_parser("show")
     s.add_argument("answers")
     s.add_argument("--fit-below", type=int, default=120)
@@ -221,6 +281,7 @@ def main():
     b.add_argument("--first", type=int, default=1000)
     b.add_argument("--count", type=int, default=100)
     b.add_argument("--draws", type=int, default=3)
+    b.add_argument("--generators", nargs="+", type=int, choices=(1, 2, 3), default=(1, 2), help="by turns")
     b.set_defaults(run=stability)
     args = p.parse_args()
     args.run(args)

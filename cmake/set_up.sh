@@ -6,9 +6,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libsuitesparse-dev libboost-dev libboost-program-options-dev
   nlohmann-json3-dev libtomlplusplus-dev libfmt-dev libkainjow-mustache-dev libssl-dev libmatio-dev musl-dev)
 # libopenmpi-dev, openmpi-bin: yield under mpirun, which is optional;
-# clang-format, clang-tidy: .ci/lint.
 # python3-*, pybind11-dev: the Python package and its tests; python3-jsonschema, mandoc, pkg-config: schemas, manual, installed library.
-check_packages=(ngspice libgtest-dev libgmock-dev libopenmpi-dev openmpi-bin chromium clang-format clang-tidy
+check_packages=(ngspice libgtest-dev libgmock-dev libopenmpi-dev openmpi-bin chromium
   python3-dev python3-numpy python3-pytest python3-matplotlib pybind11-dev python3-jsonschema mandoc pkg-config)
 
 install_missing() {

@@ -15,7 +15,7 @@ namespace {
 /// Clocks kept at each length of the look.
 constexpr std::size_t kKept = 8;
 /// Clocks of the first look in one cycle over its length, and new ones on either side of each in the next.
-constexpr int kFiner = 4;
+constexpr int kFiner = 2;
 /// Samples of the first look.
 constexpr std::size_t kFirstLook = 1200;
 /// The fastest clock that is looked for, in samplings: a hold faster than the record leaves images that sampling

@@ -21,17 +21,17 @@ def example() -> pathlib.Path:
     return ROOT / "examples/nanopositioner"
 
 
+def run_program(folder: pathlib.Path, *arguments: object) -> dict[str, Any]:
+    path = os.environ.get("BODESMITH_PROGRAM", str(ROOT / "build/bin/bodesmith"))
+    done = subprocess.run([path, *map(str, arguments), "--json"], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
 @pytest.fixture
 def program(tmp_path: pathlib.Path) -> Callable[..., dict[str, Any]]:
     """Runs the program in tmp_path; its --json summary."""
-
-    def run(*arguments: object) -> dict[str, Any]:
-        path = os.environ.get("BODESMITH_PROGRAM", str(ROOT / "build/bin/bodesmith"))
-        done = subprocess.run([path, *map(str, arguments), "--json"], cwd=tmp_path, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-        return json.loads(done.stdout)
-
-    return run
+    return lambda *arguments: run_program(tmp_path, *arguments)
 
 
 @pytest.fixture(scope="session")
@@ -57,6 +57,15 @@ def sections(cascade: bs.Cascade) -> bs.Sections:
 @pytest.fixture(scope="session")
 def plan(sections: bs.Sections) -> bs.Plan:
     return bs.fpaa(sections)
+
+
+@pytest.fixture(scope="session")
+def board(sections: bs.Sections, tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    """The folder that the command writes of the same plan, with its streams."""
+    folder = tmp_path_factory.mktemp("board")
+    sections.save(folder / "sections.json")
+    run_program(folder, "fpaa", "sections.json", "--stream", "-o", "fpaa")
+    return folder / "fpaa"
 
 
 def assert_same(mine: dict[str, Any], written: dict[str, Any]) -> None:

@@ -107,11 +107,9 @@ def test_controller_is_the_command_lines(disturbance, example, program, tmp_path
     assert (tmp_path / "mine/controller.kicad_sch").is_file()
 
 
-def test_streams_are_the_command_lines(plan, sections, program, tmp_path):
-    sections.save(tmp_path / "sections.json")
-    program("fpaa", "sections.json", "--stream", "-o", "fpaa")
-    made = bs.streams(bs.Plan.load(tmp_path / "fpaa/plan.json"))
-    written = (tmp_path / "fpaa/stream/chip1.ahf").read_text()
+def test_streams_are_the_command_lines(plan, board):
+    made = bs.streams(bs.Plan.load(board / "plan.json"))
+    written = (board / "stream/chip1.ahf").read_text()
     assert made.files["chip1.ahf"] == written
     assert made.bytes_of(1) == bytes(int(line, 16) for line in written.split())
     assert made.details["largest_difference_percent"] < 1e-7

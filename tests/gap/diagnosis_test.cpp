@@ -104,7 +104,7 @@ TimeRecord loop_in_units(const char* file, unsigned seed, double scale) {
   double z = 0.0;
   double before = 0.0;
   return of_smoothed_noise(
-      file, seed, 900, 1e-3,
+      file, seed, 450, 1e-3,
       [&](int, double x, double e) {
         const double u = std::tanh(3.0 * x);
         for (int k = 0; k < 10; ++k) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/whole_number.hpp"
+#include "numeric/fourier.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
@@ -21,6 +22,9 @@ constexpr std::size_t kFirstLook = 1200;
 /// The fastest clock that is looked for, in samplings: a hold faster than the record leaves images that sampling
 /// folds down.
 constexpr double kFastestClock = 1.6;
+/// Clocks per sampling from which on one transform tells which of them are worth a look: four in five of those of the first one. Within
+/// four samples a signal that can be followed goes straight.
+constexpr double kFastClock = 0.25;
 
 /// A figure of merit and the clock it belongs to, Hz.
 using ScoredClock = std::pair<double, double>;
@@ -33,15 +37,16 @@ Starts starts_of(const std::vector<ScoredClock>& scored) {
   return starts;
 }
 
-/// The best so many, sorted best first, that lie further apart than `apart_hz`: neighbours are one peak.
-void keep_best(std::vector<ScoredClock>& sorted, double apart_hz) {
+/// The best `count`, best first, that lie further apart than `apart_hz`: neighbours are one peak.
+void keep_best(std::vector<ScoredClock>& sorted, double apart_hz, std::size_t count = kKept) {
+  std::sort(sorted.rbegin(), sorted.rend());
   std::vector<ScoredClock> kept;
   for (const auto& s : sorted) {
     const bool near = std::any_of(kept.begin(), kept.end(), [&](const ScoredClock& k) {
       return std::abs(k.second - s.second) < apart_hz;
     });
     if (!near) kept.push_back(s);
-    if (kept.size() == kKept) break;
+    if (kept.size() == count) break;
   }
   sorted = std::move(kept);
 }
@@ -81,6 +86,35 @@ double likeness_to_stairs(const std::vector<double>& signal, const std::vector<d
   return likeness.value();
 }
 
+/// Fast clocks by what one transform tells of them all, in cycles per sample, the best first. Where the signal goes straight its stairs
+/// less their mean lag are its slope times ½ - frac(f t) = Σ sin(2π m f t)/(π m) over f, of which three terms will do; t runs half a
+/// cycle late with the hold. Spaced as the first comb; the slope is that of the mean lag of each octave's middle.
+std::vector<ScoredClock> likely_fast_clocks(const std::vector<double>& signal,
+                                            const std::vector<double>& residual, bool half, double low,
+                                            std::size_t n) {
+  const std::size_t length = kFiner * n;
+  std::vector<ScoredClock> found;
+  for (double octave = kFastClock; octave < kFastestClock; octave *= 2.0) {
+    const auto lag = whole_number<std::size_t>(std::round((half ? 1.0 : 0.5) / (std::sqrt(2.0) * octave)));
+    std::vector<double> product(length, 0.0);
+    for (std::size_t i = n / 10 + lag + 1; i < n; ++i)
+      product[i] = residual[i] * (signal[i - lag + 1] - signal[i - lag - 1]);
+    const auto bins = half_spectrum(product);
+    const auto sine = [&](std::size_t k) {
+      k %= length;
+      return k < bins.size() ? -bins[k].imag() : bins[length - k].imag();
+    };
+    const double end = std::min(2.0 * octave, kFastestClock) * static_cast<double>(length);
+    for (auto k = whole_number<std::size_t>(std::ceil(std::max(low, octave) * static_cast<double>(length)));
+         static_cast<double>(k) < end; ++k) {
+      const double sum = (half ? -1.0 : 1.0) * (sine(k) + sine(3 * k) / 3.0) + 0.5 * sine(2 * k);
+      if (sum > 0.0) found.emplace_back(sum, static_cast<double>(k) / static_cast<double>(length));
+    }
+  }
+  keep_best(found, 1.0 / static_cast<double>(n), 4 * kKept);
+  return found;
+}
+
 /// Clocks whose stairs of a signal the residual is like, best first; above 0: lag and all, around `guess_hz`.
 Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const std::vector<double>& residual,
                         bool half, double guess_hz) {
@@ -97,9 +131,13 @@ Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const st
   const double high_hz = with_lag ? 2.2 * guess_hz : kFastestClock / h;
   double spacing = 1.0 / (kFiner * static_cast<double>(length) * h);
   std::vector<ScoredClock> scored;
-  for (double f = low_hz; f < high_hz; f += spacing) scored.emplace_back(likeness(f, length), f);
+  const double one_by_one_hz = with_lag ? high_hz : std::min(high_hz, kFastClock / h);
+  for (double f = low_hz; f < one_by_one_hz; f += spacing) scored.emplace_back(likeness(f, length), f);
+  if (!with_lag) {
+    for (const auto& [sum, clock] : likely_fast_clocks(signal, residual, half, low_hz * h, length))
+      scored.emplace_back(likeness(clock / h, length), clock / h);
+  }
   for (bool finely = false; !scene.is_late(); finely = true) {
-    std::sort(scored.rbegin(), scored.rend());
     keep_best(scored, 1.0 / (static_cast<double>(length) * h));
     if (finely && length == last) return starts_of(scored);
     length = std::min(last, 2 * length);

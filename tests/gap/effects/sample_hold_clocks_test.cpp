@@ -79,6 +79,31 @@ TEST(HoldClock, IsFoundInItsStairs) {
   }
 }
 
+// Of those of less than four samples a cycle one transform tells all.
+TEST(HoldClock, FastOnesAreFoundInNoiseTooAndBetweenSamples) {
+  const gap::Model model(model_of(kInFront));
+  std::vector<double> u(1000);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    u[i] = std::sin(0.13 * double(i)) + 0.5 * std::sin(0.41 * double(i));
+  for (const double clock_hz : {273.0, 391.7, 610.3, 1187.0}) {
+    for (const bool half : {false, true}) {
+      const auto behind = [&](const std::string& block) {
+        return measured(kInFront + "[[block]]\n" + block, u, 1e-3, 0.02, 3);
+      };
+      const auto record = behind("type = \"sample_hold\"\nclock_hz = " + std::to_string(clock_hz) +
+                                 "\nhalf_cycle = " + (half ? "true\n" : "false\n"));
+      const auto lagging =
+          behind("type = \"delay\"\ndelay_s = " + std::to_string((half ? 1.0 : 0.5) / clock_hz) + "\n");
+      auto scene = gap::make_scene(model, {gap::TimeExperiment(record)});
+      std::mt19937_64 random(7);
+      std::normal_distribution<double> normal(0.0, 0.02);
+      for (std::size_t i = 0; i < u.size(); ++i)
+        scene.residual[i] = record.y[i] - lagging.y[i] + normal(random);
+      EXPECT_NEAR(gap::clocks_of_hold(scene, 1, half).at(0).at(0), clock_hz, 0.1) << clock_hz << half;
+    }
+  }
+}
+
 // Looks of more samples refine what those of fewer found: the clocks that are kept are further apart than one peak is wide.
 TEST(HoldClock, KeptOnesAreOfDifferentPeaks) {
   const gap::Model model(model_of(kInFront));

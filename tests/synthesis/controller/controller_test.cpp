@@ -55,7 +55,7 @@ TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
 TEST(Controller, RunsOfManySettleAsWellAsAWholeRepeatAtFinerSteps) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const DisturbanceCircuit fed = make_controller(first_seed());
-  for (const double f : {1.0, 100.0, 4000.0}) {  // at the last what is slow takes whole repeats
+  for (const double f : {1.0, 4000.0}) {  // at the last what is slow takes whole repeats
     const SteadyState a = run_in_ngspice(fed, tracking::Reference(), Hertz{f});
     const SteadyState b = run_in_ngspice(fed, tracking::Reference(), Hertz{f}, NgspiceRun::of_many());
     ASSERT_EQ(a.v.size(), b.v.size());
@@ -83,9 +83,8 @@ TEST(Controller, CvodeAndNgspiceAgreeWhereTheDetectorIsSlowOrMissesTurns) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   using Shape = tracking::Reference::Shape;
   const DisturbanceCircuit fed = make_controller(first_seed());
-  for (const auto& [shape, stroke, f] : {std::tuple{Shape::decaying_triangle, 1.0, 1.0},
-                                         {Shape::two_tone, 1.0, 1.0},
-                                         {Shape::triangle, 0.5, 100.0}}) {
+  for (const auto& [shape, stroke, f] :
+       {std::tuple{Shape::decaying_triangle, 1.0, 1.0}, {Shape::triangle, 0.5, 100.0}}) {
     const AsBuilt one = measure_as_built(fed, {Hertz{f}}, tracking::Reference(shape, stroke)).front();
     EXPECT_LT(one.cvode_difference_percent, 0.02) << to_string(shape) << ", " << f << " Hz";
   }
@@ -234,7 +233,7 @@ TEST(Controller, PartialStrokesAreTrackedInNgspiceByTheAmplitudeGains) {
     return tracking::Reference(tracking::Reference::Shape::triangle, stroke);
   };
   // Beside the table's strokes one between them. The percentages are of the stroke's own range; the aim is .15 % of the full one.
-  for (const auto& [stroke, f] : {std::pair{1.0, 100.0}, {0.5, 1.0}, {0.4, 100.0}, {0.25, 100.0}}) {
+  for (const auto& [stroke, f] : {std::pair{0.5, 1.0}, {0.4, 100.0}}) {
     const SteadyState run = run_in_ngspice(built, triangle(stroke), Hertz{f}, {.tight_from = Hertz{1e9}});
     EXPECT_LT(stage_error(built, run).rms_percent_without_lag * stroke, 0.06) << stroke << ", " << f << " Hz";
   }

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <string_view>
+
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/generator/made_layout.hpp"
 #include "synthesis/generator/ngspice_check.hpp"
@@ -13,7 +15,8 @@ TEST(DisturbanceLibrary, NgspiceMakesThePolynomialsAndFollowsATriangleUpTo5Kiloh
   Disturbance wanted;
   wanted.ascending = {0.3546, -0.6433, 0.2887};
   wanted.descending = {-0.2398, 0.0838, 0.156};
-  const DisturbanceCheck check = check_disturbance(make_layout(wanted), {Hertz{1}, Hertz{100}, Hertz{5000}});
+  const DisturbanceCircuit layout = make_layout(wanted);
+  const DisturbanceCheck check = check_disturbance(layout, {Hertz{1}, Hertz{100}, Hertz{5000}});
   EXPECT_LT(check.static_percent, 0.04);
   EXPECT_LT(check.static_against_program, 5e-4);
   // The multipliers' errors at one deviation each, by the program and in ngspice.
@@ -26,21 +29,14 @@ TEST(DisturbanceLibrary, NgspiceMakesThePolynomialsAndFollowsATriangleUpTo5Kiloh
     EXPECT_LT(one.late_share, fast ? 0.035 : 0.004) << one.frequency.value << " Hz";
     EXPECT_LT(one.rms_percent, fast ? 0.2 : 0.02) << one.frequency.value << " Hz";
   }
-}
-
-TEST(DisturbanceLibrary, TimingIsWhatTheProgramPredicts) {
-  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
-  Disturbance wanted;
-  wanted.ascending = {0.3546, -0.6433, 0.2887};
-  wanted.descending = {-0.2398, 0.0838, 0.156};
-  const DisturbanceCircuit layout = make_layout(wanted);
+  // Timing is what the program predicts.
   const generator::Timing timing = generator::make_timing(layout, {Hertz{5000}});
-  const DisturbanceCheck check = check_disturbance(layout, {Hertz{5000}});
+  const DisturbanceCheck::Dynamic& fast = check.dynamic.back();
   const double delay = timing.detector.delays[0].triangle_s.value();
-  EXPECT_NEAR(check.dynamic[0].delay_s, delay, 0.05 * delay);
+  EXPECT_NEAR(fast.delay_s, delay, 0.05 * delay);
   const generator::SwitchFigures::Late& late = timing.analog_switch.late[0];
-  EXPECT_NEAR(check.dynamic[0].rms_percent, late.rms_percent, 0.15 * late.rms_percent);
-  EXPECT_NEAR(check.dynamic[0].rms_off_percent, late.rms_off_percent, 0.1 * late.rms_off_percent);
+  EXPECT_NEAR(fast.rms_percent, late.rms_percent, 0.15 * late.rms_percent);
+  EXPECT_NEAR(fast.rms_off_percent, late.rms_off_percent, 0.1 * late.rms_off_percent);
   ASSERT_TRUE(check.change.has_value());
   EXPECT_NEAR(check.change->delay_s, layout.analog_switch.on_delay_s, 10e-9);
   EXPECT_NEAR(check.change->glitch_percent, check.change->predicted_percent,
@@ -53,12 +49,17 @@ TEST(DisturbanceLibrary, EverySchemeOfDegreeSevenAndOneBranch) {
   for (const char* scheme : {"shared", "horner", "3"}) {
     generator::Options options;
     options.scheme = generator::Scheme::named(scheme);
+    const bool moves = std::string_view(scheme) == "3";  // what follows the scheme is one circuit
     const DisturbanceCheck two =
-        check_disturbance(layout_of({{"up", seven, {}}, {"down", {-0.2, 0.2}, {}}}, options), {Hertz{5000}});
+        check_disturbance(layout_of({{"up", seven, {}}, {"down", {-0.2, 0.2}, {}}}, options),
+                          moves ? std::vector{Hertz{5000}} : std::vector<Hertz>{});
     EXPECT_LT(two.static_against_program, 1e-3) << scheme;
     EXPECT_LT(two.off_against_program, 1e-3) << scheme;
     EXPECT_LT(two.static_percent, 0.1) << scheme;
-    EXPECT_LT(two.dynamic[0].rms_percent, 1.0) << scheme;
+    ASSERT_EQ(two.dynamic.size(), moves ? 1u : 0u) << scheme;
+    if (moves) {
+      EXPECT_LT(two.dynamic[0].rms_percent, 1.0);
+    }
   }
   const DisturbanceCheck one = check_disturbance(layout_of({{"only", {0.1, -0.1, 0.2}, {}}}), {Hertz{100}});
   EXPECT_LT(one.static_against_program, 5e-4);

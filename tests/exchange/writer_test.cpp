@@ -20,7 +20,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using testing::HasSubstr;
-using testing::Not;
 
 /// A damped pair beside a real pole and zero: corners of 100 Hz and 1 kHz.
 Sections two_sections() {
@@ -109,20 +108,6 @@ TEST(Export, LevelStretchesNeedTheirEndsOnly) {
   const std::string text = writer_for("a.pwl").write(from, {}).content;
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 5);
   EXPECT_THAT(text, HasSubstr("0.3125 2.0\n"));
-}
-
-TEST(Export, WhatASourceCannotHaveIsSaid) {
-  const auto said = [](const Exportable& from) {
-    return testing::PrintToString(writer_for("a.pwl").write(from, {}).said);
-  };
-  Exportable from = recorded();
-  EXPECT_THAT(said(from), HasSubstr("u in volts, 64 points"));
-  EXPECT_THAT(said(from), HasSubstr("times moved by 500 ms so that they begin at 0"));
-  EXPECT_THAT(said(from), Not(HasSubstr("left out")));
-  from.record->start_s = 0.0;
-  from.record->u.assign(64, 1.0);
-  EXPECT_THAT(said(from), Not(HasSubstr("moved")));
-  EXPECT_THAT(said(from), HasSubstr("62 points on level stretches left out"));
 }
 
 TEST(Export, RefusesWhatAFormatCannotHold) {

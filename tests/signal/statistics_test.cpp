@@ -51,7 +51,7 @@ TEST(Statistics, CorrelationTimeOfAnAutoregressiveProcess) {
   EXPECT_NEAR(correlation_time(slow), 9.0, 1.5);
 }
 
-/// A half wave is like itself throughout: its memory is counted up to a quarter of its length, of which no more than that is said.
+/// A ramp is like itself all along: its memory is followed up to a quarter of its length, and no more than that is said.
 TEST(Statistics, ALongMemoryIsAQuarterOfTheLengthAtMost) {
   std::vector<double> ramp(400);
   for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<double>(i);

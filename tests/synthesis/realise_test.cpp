@@ -98,13 +98,6 @@ TEST(Realise, ExactPartsAreExact) {
   }
 }
 
-TEST(Realise, SameInputSameParts) {
-  const Realised a = realise(seed_sections()), b = realise(seed_sections());
-  ASSERT_EQ(a.circuit.parts.size(), b.circuit.parts.size());
-  for (size_t i = 0; i < a.circuit.parts.size(); ++i)
-    EXPECT_EQ(a.circuit.parts[i].realised, b.circuit.parts[i].realised);
-}
-
 // Every shape a section may have, either sign: closed-form transfer = nodal analysis, and the design is met.
 TEST(Realise, AllShapesOfSections) {
   const std::vector<std::pair<const char*, Section>> shapes = {

@@ -14,6 +14,7 @@
 #include "fpaa/controller/run.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 #include "fpaa/seed_sections.hpp"
+#include "fpaa/sheets/board_picture.hpp"
 #include "kept_text.hpp"
 
 namespace bodesmith::fpaa {
@@ -287,9 +288,10 @@ TEST(Controller, AskedForWayIsTaken) {
 
 TEST(Controller, IsAPlanWithEveryWire) {
   const Controller controller = value_or_throw(make_controller(seed_with_rates(), nullptr, nullptr, {}));
-  expect_kept("fpaa/kept_controller.txt", controller_sheet(controller) +
-                                              gain_sets_csv(controller.best(), seed_with_rates()) +
-                                              line_a_key(controller.to_json()));
+  expect_kept("fpaa/kept_controller.txt",
+              controller_sheet(controller) + gain_sets_csv(controller.best(), seed_with_rates()) +
+                  line_a_key(controller.to_json()) + "picture " +
+                  digest(board_picture_svg(controller_plan(controller.best()))) + "\n");
   for (const ControllerVariant& v : controller.variants) {
     if (!v.fits()) continue;
     const Plan plan = controller_plan(v);

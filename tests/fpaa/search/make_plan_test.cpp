@@ -205,6 +205,7 @@ TEST(MakePlan, ThirtyTwoSectionsComeOnTheBoard) {
   const Plan plan = plan_of(sections, options);
   expect_legal(plan);
   EXPECT_EQ(plan.chips.size(), 4u);
+  EXPECT_EQ(digest(board_picture_svg(plan)), "12a8fc90e4429a93");
   EXPECT_LE(plan.error_with_delays.max_complex_percent, 1.0);
 }
 

@@ -194,13 +194,6 @@ TEST(Search, AWeightingOfExactPolesIsAChainOfTheVendorsCams) {
   EXPECT_GE(plan.max_input_v, 1.7);
 }
 
-TEST(Search, SameInputSamePlan) {
-  Sections sections;
-  sections.sections = {low_pass_section(1000.0, 0.9), pair_section(1.0, 500.0, 1.0, 700.0, 1.2)};
-  const PlanOptions options = within(100.0, 3000.0);
-  EXPECT_EQ(to_text(plan_of(sections, options).to_json()), to_text(plan_of(sections, options).to_json()));
-}
-
 TEST(Search, NoClockBelowTheLowest) {
   PlanOptions options = within(10.0, 4000.0);
   options.lowest_clock = Hertz{31400.0};

@@ -157,6 +157,11 @@ TEST(Text, EngineersPrefixes) {
 TEST(JsonText, RefusesNumbersThatAreNotFinite) {
   EXPECT_THROW(to_text(Json{{"a", NAN}}), InputError);
   EXPECT_EQ(to_text(Json{{"a", {1.0, 2.5}}}), "{\n  \"a\": [1.0, 2.5]\n}\n");
+  // Nested, empty, longer than a line: what was read is what was written.
+  Json deep = {{"a", {{"b", {1.5, "x, \"y\"", nullptr}}, {"c", Json::array()}}}, {"d", Json::object()}};
+  for (int i = 0; i < 40; ++i)
+    deep["e"].push_back({{"number", 0.125 * i}, {"list", {i, i + 1, {{"f", true}}}}}), deep["g"].push_back(i);
+  EXPECT_EQ(Json::parse(to_text(deep)), deep);
 }
 
 TEST(TextTemplate, EmbedsTheBytesOfTheFile) {

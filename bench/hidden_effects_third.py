@@ -197,6 +197,7 @@ def block(r, kind, hz, rate, stroke, gain, seconds):
 
 
 # ------------------------------------------------------------------------------------ what is hidden: x, step, record -> y
+SMOOTH = ("lowpass", "resonator")  # nothing of their input comes out at once
 BEHIND = ("offset", "drift", "mains_hum", "gain_error")
 SPRING = ("quadratic_stiffness", "cubic_stiffness", "drag")
 OUTSIDE = ["delay_each_way", "stick_slip", "gain_of_rate", "warming", "lost_samples", "glitches", "vibration", "one_sided_lag", "echo", "knee", "coarse_converter"]
@@ -218,7 +219,7 @@ def suits(kind, kinds):
     return not (kind in ("hysteresis", "asymmetric_hysteresis", "backlash") and ("prandtl_ishlinskii" in kinds or "polynomial_hysteresis" in kinds))
 
 
-def effect(r, kind, x, rate, hz, seconds, unipolar, last):
+def effect(r, kind, x, rate, hz, seconds, unipolar, direct):
     """x: what passes at its place in the first training record."""
     top, low, most = float(x.max()), float(x.min()), float(np.abs(x).max())
     fast = float(np.abs(np.diff(x)).max() * rate * FINE)
@@ -285,12 +286,12 @@ def effect(r, kind, x, rate, hz, seconds, unipolar, last):
     if kind == "gain_error":
         c = 1 + sign * q(.01, .12)
         return lambda x, h, i: c * x
-    if kind == "sample_hold":  # every `steps` fine steps; at an edge a block behind it is given the mean, which its straight steps integrate rightly
+    if kind == "sample_hold":  # every `steps` fine steps; at an edge smooth blocks are given the mean, which their straight steps integrate rightly
         steps = int(round(FINE * q(2.5, 9)))
 
         def held(x, h, _):
             y = x[np.arange(len(x)) // steps * steps]
-            return y if last else .5 * (y + np.concatenate([y[:1], y[:-1]]))
+            return y if direct else .5 * (y + np.concatenate([y[:1], y[:-1]]))
         return held
     a, b, at = q(.05, .3), q(.2, 1) / rate, q(.3, .7)  # from here on outside the catalogue
     if kind == "delay_each_way":
@@ -392,7 +393,8 @@ def drawn(r, folder, name):
             hidden.append((k, {"ratios": {key: 1 + r.choice([-1, 1]) * r.uniform(.02, .15)}}))
         else:
             place = len(blocks) if kind in BEHIND or kind in ("glitches", "vibration", "lost_samples", "warming") else int(r.integers(0, len(blocks) + 1))
-            hidden.append((place, effect(r, kind, nodes[place], rate, hz, seconds, unipolar, all(b == "gain" for b in blocks[place:]))))
+            hidden.append((place, effect(r, kind, nodes[place], rate, hz, seconds, unipolar,
+                                         all(b not in SMOOTH and v.get("highpass_gain", 1.0) for b, v in zip(blocks[place:], values[place:])))))
             if hidden[-1][1] is None:
                 return None
             kinds[kinds.index(kind)] = getattr(hidden[-1][1], "called", kind)

@@ -272,7 +272,7 @@ def effect(r, kind, x, rate, hz, seconds, unipolar, direct):
                          lambda x, h, i: x + b * sum(play(x, p * most) for p in (.07, .2, .45))])
     if kind == "asymmetric_hysteresis":
         a, b, skew = q(1, 6) / most, q(.05, .25), sign * q(.25, .6)
-        if unipolar and q() < .5:  # the branches of the first seed
+        if unipolar and q() < .5:  # the branches of examples/nanopositioner/disturbance.json
             up, down = [q(.05, .3), -q(.1, .4), q(-.1, .1)], [-q(.05, .2), q(0, .2), q(-.1, .1)]
             return lambda x, h, i: x + most * np.where(rising(x), cubic(x / most, up), cubic(x / most, down))
         return r.choice([lambda x, h, i: x + duhem(x, a * (1 + skew), a * (1 - skew), b), lambda x, h, i: x - b * most * dahl(x, a, 1.0, skew)])

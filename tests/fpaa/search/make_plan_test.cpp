@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstdlib>
 #include <map>
+#include <ostream>
 #include <set>
 
 #include "base/documents/json.hpp"
@@ -259,6 +260,7 @@ struct KeptPlan {
   const char* name;
   Sections sections;
   Band band;
+  friend void PrintTo(const KeptPlan& plan, std::ostream* out) { *out << plan.name; }
 };
 
 class LastBits : public testing::TestWithParam<KeptPlan> {};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "numeric/index.hpp"
 
@@ -70,13 +71,20 @@ std::vector<Column> memoryless_features(const ScaledSignals& s) {
   return columns;
 }
 
-/// Features that remember the input: earlier samples, plays, slow averages.
-void add_memory_features(const Column& u, std::vector<Column>& columns) {
+/// Earlier outputs that are kept: two of their periods and more.
+constexpr std::size_t kEarlierOutputs = 16;
+
+/// Features that remember: earlier inputs, plays and slow averages of them, earlier outputs (what linear dynamics of any kind and an echo
+/// leave is a sum of these).
+void add_memory_features(const ScaledSignals& s, std::size_t apart, std::vector<Column>& columns) {
+  const Column& u = s.u;
   const std::size_t n = u.size();
-  for (std::size_t lag : {1U, 2U, 4U, 8U, 16U, 32U, 64U}) {
+  const auto add_earlier = [&](const Column& x, std::size_t lag) {
     Column& c = columns.emplace_back(n);
-    for (std::size_t i = 0; i < n; ++i) c[i] = u[i > lag ? i - lag : 0];
-  }
+    for (std::size_t i = 0; i < n; ++i) c[i] = x[i > lag ? i - lag : 0];
+  };
+  for (std::size_t lag : {1U, 2U, 4U}) add_earlier(u, lag);
+  for (std::size_t k = 1; k <= kEarlierOutputs; ++k) add_earlier(s.y, k * apart);
   for (double radius : {0.05, 0.2, 0.5}) {
     Column play(n);
     double z = 0.0;
@@ -121,19 +129,28 @@ SignalScales signal_scales(const Leftover& a, const Leftover& b) {
   Range y;
   Range u;
   double speed = 0.0;
+  double eighth = std::numeric_limits<double>::infinity();
   for (const auto* r : {&a, &b}) {
     y.widen(r->output);
     u.widen(r->input);
+    const auto out = as_eigen(r->output);
+    const Eigen::Index later = std::max<Eigen::Index>(out.size() - 1, 0);
+    // Of a sine the rms over that of its changes from sample to sample is its period over 2π.
+    const double change = (out.tail(later) - out.head(later)).norm();
+    eighth = std::min(eighth, 0.25 * std::numbers::pi * (out.array() - out.mean()).matrix().norm() /
+                                  std::max(change, 1e-300));
     for (std::size_t i = 1; i < r->output.size(); ++i)
       speed = std::max(speed, std::abs(r->output[i] - r->output[i - 1]) / r->step_s);
   }
-  return {y.middle(), y.half(), std::max(speed, 1e-300), u.middle(), u.half()};
+  const auto apart = std::clamp(eighth, 1.0, static_cast<double>(a.output.size()));
+  return {y.middle(), y.half(), std::max(speed, 1e-300),
+          u.middle(), u.half(), static_cast<std::size_t>(apart)};
 }
 
 Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scales) {
   const auto signals = scaled(record, scales);
   auto columns = memoryless_features(signals);
-  add_memory_features(signals.u, columns);
+  add_memory_features(signals, scales.eighth_of_period, columns);
   return of_zero_mean(columns);
 }
 

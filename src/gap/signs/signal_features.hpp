@@ -13,11 +13,12 @@ struct SignalScales {
   double size_v = 0.0;  ///< of the output's slope
   double middle_u = 0.0;
   double size_u = 0.0;
+  std::size_t eighth_of_period = 1;  ///< samples, of the output's mean frequency in the quicker record
 };
 SignalScales signal_scales(const Leftover& a, const Leftover& b);
 
 /// Features of signals from which a missing effect could be predicted: samples by features, each column of
-/// zero mean. Powers of value and slope, the input's branch, ends of the range, earlier inputs, plays, slow
+/// zero mean. Powers of value and slope, the input's branch, ends of the range, earlier inputs and outputs, plays, slow
 /// averages.
 Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scales);
 

@@ -18,6 +18,14 @@ namespace {
 /// Offsets that are free and given as 0, as a part of the output's range.
 constexpr double kTypicalOffset = 0.05;
 
+/// A chain may well hold two bent curves. Three describe one that is none of them.
+constexpr std::ptrdiff_t kMostCurves = 2;
+
+bool has_many_curves(const Model& model) {
+  return std::ranges::count_if(model.terms(), [](const Term& t) { return t.effect->facts().static_curve; }) >
+         kMostCurves;
+}
+
 /// The names one after the other, each with what it was chosen from.
 std::vector<Step> steps_of(const SearchSetting& setting, const Model& base, Beam& beam) {
   const auto& set = beam.best;
@@ -71,6 +79,10 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.train_rms = beam.best.train_rms;
   result.log_evidence = beam.best.log_evidence;
   if (!result.stopped) result.structure = signs_left(beam.best.model, beam.records);
+  // It made the search go on. What neither an offset nor a drift took of it is what noise has that falls as 1/f from below the record on.
+  std::erase_if(result.structure, [](const Sign& s) { return s.kind == SignKind::straight_line; });
+  if (has_many_curves(beam.best.model))
+    result.structure.push_back({SignKind::many_curves, (kMostCurves + 1.0) / kMostCurves});
   result.final = std::move(beam.best.model);
   result.notes = std::move(beam.best.notes);
   if (beam.smooth_input)

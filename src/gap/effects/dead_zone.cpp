@@ -17,7 +17,7 @@ void propose_dead_zone(const Scene& scene, std::vector<Proposal>& out) {
 }  // namespace
 
 BODESMITH_EFFECT(dead_zone, .what = "no response near zero",
-                 .experiment = "a small drive around zero: a dead zone passes nothing",
+                 .experiment = "a small drive around zero: a dead zone passes nothing", .static_curve = true,
                  .propose = propose_dead_zone)
 
 }  // namespace bodesmith::gap

@@ -37,7 +37,8 @@ std::string to_string(SignKind kind) {
                                  "the residual holds a constant or a straight line",
                                  "neighbouring frequencies err alike",
                                  "single frequencies err far more than those around them",
-                                 "the response depends on the drive"};
+                                 "the response depends on the drive",
+                                 "so many static curves were named that they are one of another form"};
   return kWords.at(static_cast<std::size_t>(kind));
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "gap/made_model.hpp"
 #include "gap/made_record.hpp"
 #include "gap/scene.hpp"
+#include "gap/signs/signs.hpp"
 
 namespace no_names {
 namespace {
@@ -46,6 +48,55 @@ TEST(NoNames, AKinkOfASensorIsNotAsymmetricMemory) {
   for (const auto& step : d.steps) EXPECT_NE(step.effect, "asymmetric_hysteresis");
   EXPECT_TRUE(d.verdict == gap::Verdict::partly_explained || d.verdict == gap::Verdict::unexplained);
   EXPECT_GT(d.final.holdout_rms, 1.5 * 0.002);
+}
+
+// An exponential is followed by three curves of the catalogue better than by any two: none of them acts.
+TEST(NoNames, AnExponentialIsNotThreeCurves) {
+  const std::string lag =
+      "[[block]]\ntype = \"gain\"\ngain = 1.5\nfree = [\"gain\"]\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 300.0\n";
+  const auto record = [&](unsigned seed) {
+    auto made = measured_with(lag, seed);
+    auto bent = made.u;
+    for (double& x : bent) x += 0.2 * (std::exp(-4.0 * x) - 1.0);
+    const auto y = measured(lag, bent, kStep_s, 0.0, seed).y;
+    const auto straight = measured(lag, made.u, kStep_s, 0.0, seed).y;
+    for (std::size_t i = 0; i < y.size(); ++i) made.y[i] += y[i] - straight[i];
+    return made;
+  };
+  const auto model = model_of(lag);
+  const auto d = gap::diagnose(model, gap::Study::of({record(1)}, {record(2)}, model), {});
+  EXPECT_TRUE(d.verdict == gap::Verdict::partly_explained || d.verdict == gap::Verdict::unexplained)
+      << to_string(d.verdict);
+}
+
+// As much in each octave, from far below one cycle a record on: such noise has a mean and a slope, which may be a sign to look on and
+// is none that something is missing.
+TEST(NoNames, NoiseOfOneOverFIsNoStraightLine) {
+  const std::string lag = "[[block]]\ntype = \"lowpass\"\ncorner_hz = 300.0\nfree = [\"corner_hz\"]\n";
+  const auto model = model_of(lag);
+  const auto flicker = [](unsigned seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    std::vector<double> noise(600, 0.0);
+    for (double samples = 2.0; samples < 2e5; samples *= 2.0) {
+      const double memory = 1.0 - 1.0 / samples;
+      double x = normal(random);
+      for (double& y : noise)
+        y += 0.002 * (x = memory * x + std::sqrt(1.0 - memory * memory) * normal(random));
+    }
+    return noise;
+  };
+  unsigned seed = 1;
+  while (seed < 100 && gap::straight_line({flicker(seed), {}, {}, kStep_s, {}}).strength < 1.5) ++seed;
+  ASSERT_LT(seed, 100U);
+  const auto record = [&](unsigned which, unsigned noise) {
+    auto made = measured_with(lag, which);
+    const auto slow = flicker(noise);
+    for (std::size_t i = 0; i < made.y.size(); ++i) made.y[i] += slow[i];
+    return made;
+  };
+  const auto d = gap::diagnose(model, gap::Study::of({record(1, seed)}, {record(2, seed + 1)}, model), {});
+  EXPECT_EQ(d.verdict, gap::Verdict::nothing_missing) << seed;
 }
 
 /// Friction that holds less the one way than the other: x - .6 max(0, s) - below min(0, s), s the stop x - play(x) of radius .15.

@@ -186,36 +186,27 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
   EXPECT_NEAR(csv.column("gains_magnitude_db")[40], to_decibel(1.17), 1e-12);
 }
 
-TEST(Run, ALimitThatIsNotMetIsStatusOneAndASecondRunWritesTheSameBytesButForTimes) {
+TEST(Run, ALimitThatIsNotMetIsStatusOneAndTheResultsAreThere) {
   const TemporaryFolder folder;
   write_with_clock(folder / "p", "0.0001");
-  for (const char* out : {"one", "two"}) {  // without a simulator: the limit is the plan's
-    const ProgramResult result =
-        run_shell("BODESMITH_NGSPICE=/nowhere " + std::string(BODESMITH_PROGRAM) + " run " +
-                  (folder / "p/seed.toml").string() + " -o " + (folder / out).string());
-    EXPECT_EQ(result.status, 1);
-    EXPECT_THAT(result.out, HasSubstr("fpaa_percent"));
-  }
-  EXPECT_TRUE(fs::exists(folder / "one/report.html")) << "a missed limit must not lose the results";
-  int compared = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(folder / "one")) {
-    if (!entry.is_regular_file()) continue;
-    const auto without_times = [](const std::string& bytes) {
-      return std::regex_replace(bytes, std::regex("\"timing_s\": \\{[^}]*\\}"), "");
-    };
-    const fs::path twin = folder / "two" / fs::relative(entry.path(), folder / "one");
-    ASSERT_TRUE(fs::exists(twin)) << twin;
-    EXPECT_TRUE(without_times(read_file(entry.path())) == without_times(read_file(twin))) << entry.path();
-    ++compared;
-  }
-  EXPECT_GT(compared, 10);
+  const ProgramResult result =  // without a simulator: the limit is the plan's
+      run_shell("BODESMITH_NGSPICE=/nowhere " + std::string(BODESMITH_PROGRAM) + " run " +
+                (folder / "p/seed.toml").string() + " -o " + (folder / "one").string());
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out, HasSubstr("fpaa_percent"));
+  EXPECT_TRUE(fs::exists(folder / "one/report.html"));
 }
 
 TEST(Run, AFitToTheWaveformTracksBetterThanTheMagnitude) {
   const TemporaryFolder folder;
-  const std::string example = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/waveform.toml";
-  const ProgramResult result = run_shell("BODESMITH_NGSPICE=/nowhere " BODESMITH_PROGRAM " run " + example +
-                                         " -o " + (folder / "out").string());  // in closed form
+  fs::copy(fs::path(kProject).parent_path(), folder / "p", fs::copy_options::recursive);
+  write_file(folder / "p/waveform.toml",
+             std::regex_replace(read_file(folder / "p/waveform.toml"),
+                                std::regex("frequency_hz = \\[1, 10, 20, 40, [^\\]]*"),
+                                "frequency_hz = [1, 40, 100"));
+  const ProgramResult result =  // in closed form
+      run_shell("BODESMITH_NGSPICE=/nowhere " BODESMITH_PROGRAM " run " +
+                (folder / "p/waveform.toml").string() + " -o " + (folder / "out").string());
   ASSERT_EQ(result.status, 0) << result.err << result.out;
   const Csv table = Csv::parse(read_file(folder / "out/tracking.csv"), "tracking.csv");
   const auto worst = [&](const std::string& column) {

@@ -32,6 +32,7 @@ std::string to_string(SignKind kind) {
   constexpr std::array kWords = {"the residual can be foretold from input and output",
                                  "a line stands in the residual's spectrum",
                                  "the residual jumps",
+                                 "a few samples hold most of the residual",
                                  "the gain varies with time",
                                  "far more is left at low frequencies than the white floor of the noise",
                                  "the residual holds a constant or a straight line",
@@ -57,7 +58,8 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
     if (!r.response.empty()) {
       for (const auto look : {smooth_over_frequency, stands_apart}) consider([&r, look] { return look(r); });
     } else if (is_long(r)) {
-      for (const auto look : {jumps, gain_varies, spectral_line, above_white_floor, straight_line})
+      for (const auto look :
+           {jumps, few_samples, gain_varies, spectral_line, above_white_floor, straight_line})
         consider([&r, look] { return look(r); });
     }
   }

@@ -19,6 +19,7 @@ enum class SignKind {
   depends_on_signals,
   spectral_line,
   jumps,
+  few_samples,
   gain_varies,
   above_white_floor,
   straight_line,
@@ -48,6 +49,9 @@ Sign spectral_line(const Leftover& record);
 /// The residual jumps once or a few times, far beyond its usual changes from sample to sample, or between means of a few
 /// samples far beyond what chance does.
 Sign jumps(const Leftover& record);
+
+/// One sample in a hundred holds most of the residual's energy: glitches, whatever the noise between them.
+Sign few_samples(const Leftover& record);
 
 /// The residual is a slowly changing multiple of the output: a gain that varies with time.
 Sign gain_varies(const Leftover& record);

@@ -88,6 +88,22 @@ TEST(Signs, AnEchoIsForetoldFromEarlierOutputs) {
   }
 }
 
+// One in two hundred, twenty deviations high. Noise of any colour and of Student's heavy tails has none.
+TEST(Signs, AFewGlitchesAreSeen) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    std::student_t_distribution<double> heavy(4.0);
+    auto glitches = noise_of_colour(0.6, seed);
+    auto tails = glitches;
+    for (double& e : tails.residual) e = heavy(random);
+    for (std::size_t i = 100; i < 2000; i += 200) glitches.residual[i] += seed % 2 == 0 ? 20.0 : -20.0;
+    EXPECT_TRUE(few_samples(glitches).found()) << seed;
+    EXPECT_FALSE(few_samples(tails).found()) << seed;
+    for (const double colour : {0.0, 0.9, 0.999})
+      EXPECT_FALSE(few_samples(noise_of_colour(colour, seed)).found()) << seed << " " << colour;
+  }
+}
+
 /// Of a smooth drive through a gain, with noise.
 Leftover curve_left(unsigned seed, double wave) {
   Leftover l = noise_of_colour(0.0, seed);

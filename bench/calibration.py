@@ -64,6 +64,14 @@ def answer(program, folder):
                        "rivals": rivals(s)} for s in d["steps"]]}
 
 
+def drawn(i, folder, generators):
+    """Case number i in an empty folder; what is hidden."""
+    shutil.rmtree(folder, ignore_errors=True)
+    truth = make(i, folder, generators)
+    truth["samples"] = sum(len(open(f"{folder}/{name}").readlines()) - 1 for name in training(folder))
+    return truth
+
+
 def draw(args):
     program = os.path.abspath(args.program)
     os.makedirs(args.out, exist_ok=True)
@@ -73,9 +81,7 @@ def draw(args):
             if time.time() > end:
                 break
             folder = f"{args.out}/case"
-            shutil.rmtree(folder, ignore_errors=True)
-            truth = make(i, folder, args.generators)
-            truth["samples"] = sum(len(open(f"{folder}/{name}").readlines()) - 1 for name in training(folder))
+            truth = drawn(i, folder, args.generators)
             out.write(json.dumps({"case": i, "truth": truth, **answer(program, folder)}) + "\n")
             out.flush()
 
@@ -239,9 +245,7 @@ def stability(args):
     os.makedirs(args.out, exist_ok=True)
     with open(args.out + "/answers.jsonl", "a") as out:
         for i in range(args.first, args.first + args.count):
-            shutil.rmtree(folder, ignore_errors=True)
-            truth = make(i, folder, args.generators)
-            truth["samples"] = sum(len(open(f"{folder}/{name}").readlines()) - 1 for name in training(folder))
+            truth = drawn(i, folder, args.generators)
             row = {"case": i, "truth": truth, **answer(program, folder)}
             out.write(json.dumps(row) + "\n")
             out.flush()

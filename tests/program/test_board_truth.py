@@ -91,7 +91,7 @@ def components(seconds, volts, begin, window, hz):
 
 # Those that ngspice brings into their steady state within seconds, and the time constants of the slowest pole that takes
 # (few where it stands beside a zero).
-SETTLED = {"the paper's": 1, "low pass": 12, "high pass": 10, "band pass": 12, "notch": 9}
+SETTLED = {"the paper's": 2, "low pass": 15, "high pass": 12, "band pass": 15, "notch": 12}
 
 
 @pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")

@@ -136,11 +136,10 @@ SignalScales signal_scales(const Leftover& a, const Leftover& b) {
     const auto out = as_eigen(r->output);
     const Eigen::Index later = std::max<Eigen::Index>(out.size() - 1, 0);
     // Of a sine the rms over that of its changes from sample to sample is its period over 2π.
-    const double change = (out.tail(later) - out.head(later)).norm();
+    const Eigen::VectorXd changes = out.tail(later) - out.head(later);
     eighth = std::min(eighth, 0.25 * std::numbers::pi * (out.array() - out.mean()).matrix().norm() /
-                                  std::max(change, 1e-300));
-    for (std::size_t i = 1; i < r->output.size(); ++i)
-      speed = std::max(speed, std::abs(r->output[i] - r->output[i - 1]) / r->step_s);
+                                  std::max(changes.norm(), 1e-300));
+    speed = std::max(speed, changes.lpNorm<Eigen::Infinity>() / r->step_s);
   }
   const auto apart = std::clamp(eighth, 1.0, static_cast<double>(a.output.size()));
   return {y.middle(), y.half(), std::max(speed, 1e-300),

@@ -186,15 +186,29 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
   EXPECT_NEAR(csv.column("gains_magnitude_db")[40], to_decibel(1.17), 1e-12);
 }
 
-TEST(Run, ALimitThatIsNotMetIsStatusOneAndTheResultsAreThere) {
+TEST(Run, ALimitThatIsNotMetIsStatusOneAndASecondRunWritesTheSameBytesButForTimes) {
   const TemporaryFolder folder;
   write_with_clock(folder / "p", "0.0001");
-  const ProgramResult result =  // without a simulator: the limit is the plan's
-      run_shell("BODESMITH_NGSPICE=/nowhere " + std::string(BODESMITH_PROGRAM) + " run " +
-                (folder / "p/seed.toml").string() + " -o " + (folder / "one").string());
-  EXPECT_EQ(result.status, 1);
-  EXPECT_THAT(result.out, HasSubstr("fpaa_percent"));
-  EXPECT_TRUE(fs::exists(folder / "one/report.html"));
+  for (const char* out : {"one", "two"}) {  // without a simulator: the limit is the plan's
+    const ProgramResult result =
+        run_shell("BODESMITH_NGSPICE=/nowhere " + std::string(BODESMITH_PROGRAM) + " run " +
+                  (folder / "p/seed.toml").string() + " -o " + (folder / out).string());
+    EXPECT_EQ(result.status, 1);
+    EXPECT_THAT(result.out, HasSubstr("fpaa_percent"));
+  }
+  EXPECT_TRUE(fs::exists(folder / "one/report.html")) << "a missed limit must not lose the results";
+  int compared = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "one")) {
+    if (!entry.is_regular_file()) continue;
+    const auto without_times = [](const std::string& bytes) {
+      return std::regex_replace(bytes, std::regex("\"timing_s\": \\{[^}]*\\}"), "");
+    };
+    const fs::path twin = folder / "two" / fs::relative(entry.path(), folder / "one");
+    ASSERT_TRUE(fs::exists(twin)) << twin;
+    EXPECT_TRUE(without_times(read_file(entry.path())) == without_times(read_file(twin))) << entry.path();
+    ++compared;
+  }
+  EXPECT_GT(compared, 10);
 }
 
 TEST(Run, AFitToTheWaveformTracksBetterThanTheMagnitude) {

@@ -26,6 +26,15 @@ Leftover noise_of_colour(double memory, unsigned seed) {
   return l;
 }
 
+/// So many times through a lag of five samples.
+std::vector<double> smoothed(std::vector<double> x, int passes) {
+  for (int pass = 0; pass < passes; ++pass) {
+    double smooth = 0.0;
+    for (double& v : x) v = smooth += 0.2 * (v - smooth);
+  }
+  return x;
+}
+
 // A jump that a straight line was put through (a drift was named), four deviations of the noise high; no noise of any colour and no
 // sine under noise has such steps.
 TEST(Signs, AJumpUnderTheNoiseOfSingleSamplesIsSeen) {
@@ -49,11 +58,7 @@ TEST(Signs, AHumpStandsOnAWhiteFloorAndColouredNoiseHasNone) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     auto hump = noise_of_colour(0.0, seed);
     auto red = hump;
-    auto slow = noise_of_colour(0.0, seed + 100).residual;
-    for (int pass = 0; pass < 8; ++pass) {
-      double smooth = 0.0;
-      for (double& x : slow) x = smooth += 0.2 * (x - smooth);
-    }
+    const auto slow = smoothed(noise_of_colour(0.0, seed + 100).residual, 8);
     const auto memory = noise_of_colour(0.97, seed + 100).residual;
     for (std::size_t i = 0; i < 2000; ++i) {
       hump.residual[i] += 25.0 * slow[i];
@@ -71,12 +76,7 @@ TEST(Signs, AnEchoIsForetoldFromEarlierOutputs) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const auto record = [&](unsigned which) {
       auto l = noise_of_colour(0.0, which);
-      auto x = noise_of_colour(0.0, which + 100).residual;
-      for (int pass = 0; pass < 4; ++pass) {
-        double smooth = 0.0;
-        for (double& v : x) v = smooth += 0.2 * (v - smooth);
-      }
-      l.input = l.output = x;
+      l.input = l.output = smoothed(noise_of_colour(0.0, which + 100).residual, 4);
       return l;
     };
     auto a = record(2 * seed), b = record(2 * seed + 1);

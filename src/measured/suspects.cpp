@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/text.hpp"
 #include "numeric/index.hpp"
@@ -17,8 +18,9 @@ namespace {
 
 /// Another part explains as well unless the record is e to this times less likely with it, what is left taken as white noise.
 constexpr double kOdds = 10.0;
-/// Departure at which the direction of a part is taken: percent, or tolerances.
+/// Departure at which the direction of a part is taken first: percent, or tolerances.
 constexpr double kSmall = 1.0;
+constexpr int kRounds = 3;
 
 /// Times the noise, that is noise.
 constexpr double kNoise = 1.2;
@@ -38,11 +40,12 @@ Vector shown_by(const chain::Chain& chain, const TimeRecord& record) {
   return as_eigen(y);
 }
 
-/// The departure t with slope t/(1 + bend t) = slope `linear`, by the entry that moves most.
-double departure_of(const chain::PartChange& part, double linear) {
+/// The departure that does `times` what one of `small` does, by the entry that moves most.
+double departure_of(const chain::PartChange& part, double times, double small) {
   const auto most =
       std::max_element(part.entries.begin(), part.entries.end(),
                        [](const auto& a, const auto& b) { return std::abs(a.slope) < std::abs(b.slope); });
+  const double linear = times * small / (1.0 + most->bend * small);
   return linear / (1.0 - most->bend * linear);
 }
 
@@ -87,26 +90,28 @@ std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& 
   const double most =
       (y - shown_by(found, record)).norm() * std::exp(kOdds / static_cast<double>(record.size()));
   std::vector<Suspect> out;
-  // How much of what is shown for a departure of `small` explains the record, where it does.
-  const auto times_that_explain = [&](double small) -> std::optional<double> {
+  // By how many times what is shown now explains the record, and whether that explains as well.
+  const auto explained = [&] {
     const Vector direction = shown_by(without, record) - plain;
-    if (!(direction.squaredNorm() > 0.0)) return std::nullopt;
     const double times = direction.dot(unexplained) / direction.squaredNorm();
-    if ((unexplained - times * direction).norm() > most) return std::nullopt;
-    return times * small;
+    return std::pair(times, (unexplained - times * direction).norm() <= most);
   };
   for (const chain::PartChange& one : *good.parts) {
     if (one.part == part) {
       out.insert(out.begin(), {one.part, one.unit, departure, one.tolerance});
       continue;
     }
-    const double small = one.is_offset() ? kSmall * one.tolerance : kSmall;
-    block = good.with(one, small);
-    const auto linear = times_that_explain(small);
-    if (!linear) continue;
-    const double t = departure_of(one, *linear);
-    if (std::abs(t) > one.most()) continue;
-    out.push_back({one.part, one.unit, t, one.tolerance});
+    if (one.entries.empty()) continue;  // an op-amp
+    double t = one.is_offset() ? kSmall * one.tolerance : kSmall;
+    bool does = false;
+    // What stands behind is bent: once more at the size that was found.
+    for (int round = 0; round < kRounds && std::abs(t) <= one.most(); ++round) {
+      block = good.with(one, t);
+      const auto [times, as_well] = explained();
+      t = departure_of(one, times, t);
+      does = as_well;
+    }
+    if (does && std::abs(t) <= one.most()) out.push_back({one.part, one.unit, t, one.tolerance});
   }
   block = good;
   // A stage whose gain is another one does as much as a generator whose gain is.
@@ -114,9 +119,9 @@ std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& 
     const chain::Block measured_before = *stage;
     for (const chain::PolynomialList& curve : measured_before.polynomials()) {
       *stage = with_curve_times(measured_before, curve, 1.0 + 0.01 * kSmall);
-      if (const auto t = times_that_explain(kSmall))
+      if (const auto [times, as_well] = explained(); as_well)
         out.push_back({fmt::format("{}: gain of its {} curve", measured_before.part, curve.key), "percent",
-                       *t, kStageGain});
+                       times * kSmall, kStageGain});
     }
     *stage = measured_before;
   }

@@ -116,7 +116,7 @@ std::array<Cubic, 2> base_polynomials(const std::vector<OwnLoop>& loops) {
       for (std::size_t i = 0; i < 3; ++i) out[b][i] += (one.polynomial[b][i] - out[b][i]) / count;
   }
   for (std::size_t b = 0; b < 2; ++b)
-    if (!(inner(out[b], out[b]) > 0.0))
+    if (!(inner(out[b], out[b]) > kLeastDeviation * kLeastDeviation))  // rounding
       throw InputError(
           loops.front().record->record->file, 0,
           fmt::format("the {} branch is a straight line, expected a loop", to_string(kBranches[b])));

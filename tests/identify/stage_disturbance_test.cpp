@@ -255,6 +255,146 @@ TEST(StageDisturbance, SaysSignsThatDoNotFit) {
   EXPECT_NE(clockwise.notes.front().find("clockwise"), std::string::npos);
 }
 
+// 1/(1 + tau s) behind the stage: the loop's corners are round, and late.
+TEST(StageDisturbance, TellsASensorsPole) {
+  const DrawnStage stage;
+  constexpr double kTau = 3e-4;
+  std::vector<TimeRecord> records = records_of(stage);
+  for (TimeRecord& record : records) {
+    const double kept = std::exp(-record.step_s / kTau);
+    const double mean = kTau / record.step_s * (1.0 - kept);
+    double before = record.y[0], out = record.y[0];
+    for (double& y : record.y) {
+      out = kept * out + (mean - kept) * before + (1.0 - mean) * y;
+      before = y;
+      y = out;
+    }
+  }
+  const StageDisturbance found = identify_disturbance(records);
+  EXPECT_EQ(found.lag.kind, StageLag::Kind::sensor);
+  EXPECT_NEAR(found.lag.seconds, kTau, 0.01 * kTau);
+  EXPECT_LT(found.lag.deviation_s, 0.01 * kTau);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(found.loops[i].gain[1], kGains[i], 2e-3);
+}
+
+TEST(StageDisturbance, TheBranchThatVariesMayBeTheAscendingOne) {
+  const DrawnStage stage;
+  std::vector<TimeRecord> records;
+  for (std::size_t i = 0; i < 5; ++i) records.push_back(stage.record(kFrequencies[i], kGains[i], 1.0, 3));
+  const StageDisturbance found = identify_disturbance(records);
+  EXPECT_EQ(found.varying(), Disturbance::Branch::ascending);
+  EXPECT_NEAR(found.disturbance.rate.ascending[4], 1.17, 2e-3);
+  EXPECT_EQ(found.disturbance.rate.descending[4], 1.0);
+  EXPECT_NE(found.gains_csv().find("gains of the ascending branch"), std::string::npos);
+  // Printed the other way round, the gains are those of the base over each record's.
+  const StageDisturbance printed = identify_disturbance(records, GainReading::as_printed);
+  EXPECT_EQ(printed.reading, GainReading::as_printed);
+  EXPECT_NEAR(printed.disturbance.rate.ascending[4], 1.0 / 1.17, 2e-3);
+}
+
+TEST(StageDisturbance, StrokesOfOneLengthAreTheirMean) {
+  DrawnStage stage;
+  stage.noise = 2e-3;
+  const std::vector<TimeRecord> shorts = {stage.record(1.0, 1.0, 1.0, 1, 0.5, 0.4, 21),
+                                          stage.record(1.0, 1.0, 1.0, 1, 0.51, 0.46, 22),
+                                          stage.record(1.0, 1.0, 1.0, 1, 0.505, 0.43, 23)};
+  const auto with = [&](const std::vector<std::size_t>& which) {
+    std::vector<TimeRecord> records = records_of(stage, 3);
+    for (const std::size_t i : which) records.push_back(shorts[i]);
+    return identify_disturbance(records).strokes;
+  };
+  const auto all = with({0, 1, 2});
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].turns, 3u);
+  double alpha = 0.0, gain = 0.0, square = 0.0, slope = 0.0, line = 0.0;
+  for (const std::size_t i : {0U, 1U, 2U}) {
+    const LoopAtStroke one = with({i}).at(0);
+    alpha += one.alpha / 3.0;
+    gain += one.gain[0] / 3.0;
+    square += one.deviation[0] * one.deviation[0] / 9.0;
+    slope += one.slope / 3.0;
+    line += one.line_percent * one.line_percent / 3.0;
+  }
+  EXPECT_NEAR(all[0].alpha, alpha, 1e-9);
+  EXPECT_NEAR(all[0].gain[0], gain, 1e-9);
+  EXPECT_NEAR(all[0].deviation[0], std::sqrt(square), 1e-9);
+  EXPECT_NEAR(all[0].slope, slope, 1e-9);
+  EXPECT_NEAR(all[0].line_percent, std::sqrt(line), 1e-9);
+  EXPECT_EQ(with({}).size(), 0u);
+}
+
+TEST(StageDisturbance, ADriftIsNoLoop) {
+  const DrawnStage stage;
+  std::vector<TimeRecord> records = records_of(stage);
+  for (TimeRecord& record : records)
+    for (std::size_t i = 0; i < record.size(); ++i)
+      record.y[i] += 0.1 * stage.stroke * static_cast<double>(i) / static_cast<double>(record.size());
+  const StageDisturbance found = identify_disturbance(records);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(found.loops[i].gain[1], kGains[i], 2e-3);
+}
+
+TEST(Turns, AreSharedOutAndTheFirstOfThreeIsLeft) {
+  const DrawnStage stage;
+  const auto shares = [&](int turns) {
+    const TimeRecord record = stage.record(1.0, 1.0, 1.0, turns);
+    const TurnedRecord one = cut_into_turns({&record, 1}).all.at(0);
+    return std::pair(one.training.size(), one.held_out.size());
+  };
+  EXPECT_EQ(shares(1), std::pair(std::size_t{1}, std::size_t{0}));
+  EXPECT_EQ(shares(2), std::pair(std::size_t{1}, std::size_t{1}));
+  EXPECT_EQ(shares(3), std::pair(std::size_t{1}, std::size_t{1}));
+  EXPECT_EQ(shares(4), std::pair(std::size_t{2}, std::size_t{1}));
+  const std::vector<std::string> notes = identify_disturbance(std::vector{stage.record(1, 1, 1, 1)}).notes;
+  const auto said = [&](const char* what) {
+    return std::any_of(notes.begin(), notes.end(),
+                       [&](const std::string& note) { return note.find(what) != std::string::npos; });
+  };
+  EXPECT_TRUE(said("hold nothing out") && said("records of one frequency"));
+}
+
+// Three digits where 2 of N samples cannot tell the difference.
+TEST(Turns, AFrequencyIsAsItWasSet) {
+  const DrawnStage stage;
+  const auto frequency = [&](double f, int turns) {
+    const TimeRecord record = stage.record(f, 1.0, 1.0, turns);
+    return cut_into_turns({&record, 1}).all.at(0).frequency.value;
+  };
+  EXPECT_DOUBLE_EQ(frequency(33.33, 4), 33.3);  // 9e-4 of it; two of 1600 samples are 12.5e-4
+  EXPECT_NEAR(frequency(33.33, 6), 33.33, 1e-9);
+  EXPECT_DOUBLE_EQ(frequency(1234.0, 1), 1230.0);
+}
+
+TEST(Turns, WhatIsNoneIsSaid) {
+  const DrawnStage stage;
+  const TimeRecord good = stage.record(1.0, 1.0, 1.0, 3);
+  TimeRecord higher = good, flat = good, straight = good, uneven = good;
+  // One turn at four fifths of the other's speed.
+  uneven.u.resize(400);
+  for (int i = 0; i <= 500; ++i)
+    uneven.u.push_back(stage.low + (stage.high - stage.low) * (1.0 - std::abs(1.0 - i / 250.0)));
+  uneven.y = uneven.u;
+  for (double& u : higher.u) u += 8.0;
+  for (double& y : flat.y) y = 0.0;
+  for (std::size_t i = 0; i < straight.size(); ++i) straight.y[i] = straight.u[i];
+  const auto message = [](std::vector<TimeRecord> records) -> std::string {
+    try {
+      identify_disturbance(records);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  EXPECT_EQ(message({good}), "taken");
+  EXPECT_NE(message({good, higher}).find("its full stroke begins at -10, those of the other records at -6"),
+            std::string::npos)
+      << message({good, higher});
+  EXPECT_NE(message({uneven}).find("its turns last from 1 s on and 1.125 s on the average"),
+            std::string::npos)
+      << message({uneven});
+  EXPECT_NE(message({flat}).find("does not follow the input"), std::string::npos) << message({flat});
+  EXPECT_NE(message({straight}).find("branch is a straight line"), std::string::npos) << message({straight});
+}
+
 TEST(StageDisturbance, RefusesRecordsWithoutATurn) {
   TimeRecord ramp;
   ramp.file = "ramp.csv";

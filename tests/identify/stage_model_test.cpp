@@ -38,6 +38,31 @@ TEST(StageFit, FindsTheDelayOfALine) {
   EXPECT_NEAR(fit.stage.output.gain, 3.0, 5e-3);
 }
 
+TEST(StageFit, DelaysUpToEightSamplesAndNoneAreFound) {
+  TimeRecord record;
+  record.file = "record";
+  record.step_s = 1e-3;
+  for (int i = 0; i < 2000; ++i) record.u.push_back(std::sin(0.05 * i));
+  hysteresis::IdentifyOptions options;
+  options.skip_s = 0.1;
+  for (const double delay_s : {0.0, 0.4e-3, 3.7e-3, 7.6e-3}) {
+    record.y = delayed(record.u, record.step_s, delay_s);
+    EXPECT_NEAR(best_delay({&record, 1}, options, true), delay_s, 5e-5);
+  }
+}
+
+TEST(StageFit, AnAdvancedRecordLosesItsEnd) {
+  TimeRecord record;
+  record.step_s = 0.5;
+  record.u = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+  record.y = {0.0, 10.0, 20.0, 30.0, 40.0, 50.0};
+  const TimeRecord by = advanced(record, 0.75);
+  EXPECT_EQ(by.u, (std::vector<double>{1.0, 2.0, 3.0, 4.0}));
+  EXPECT_EQ(by.y, (std::vector<double>{15.0, 25.0, 35.0, 45.0}));
+  EXPECT_EQ(advanced(record, 0.0).u, record.u);
+  EXPECT_EQ(advanced(record, 9.0).u.size(), 2u);
+}
+
 /// A stage of two plays under a wave of changing size, late by `delay_s`; its first tenth drifts in from elsewhere.
 TimeRecord disturbed_record(double drift, double delay_s) {
   TimeRecord out;

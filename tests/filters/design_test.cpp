@@ -82,6 +82,43 @@ TEST(LeastOrder, OfAHighPassIsThatOfItsMirrorImage) {
   }
 }
 
+// The stop edges of a band stop are where a band pass of the same edges passes: the nearer one decides in both.
+TEST(LeastOrder, OfABandStopIsThatOfTheBandPassOfItsStopBand) {
+  for (const Family* family : family_registry().all()) {
+    if (family->name() == "gaussian" || family->name() == "bessel") continue;
+    // About 1 kHz: selectivity is the ratio of the widths, 600 by 200 Hz at the edge that is nearer.
+    const Band inner{Hertz{905.0}, Hertz{1105.0}}, outer{Hertz{700.0}, Hertz{1500.0}};
+    const MaskedDesign stop = least_order(*family, {Kind::bandstop, outer, inner, 1.0, 40.0});
+    const Sections sections = place(stop.prototype, stop.placing);
+    for (const double f : {905.0, 1000.0, 1105.0})
+      EXPECT_LE(level_db(sections, f), -40.0 + 1e-6) << family->name();
+    for (const double f : {700.0, 1500.0, 10.0, 1e5})
+      EXPECT_GE(level_db(sections, f), -1.0 - 1e-6) << family->name();
+  }
+}
+
+TEST(LeastOrder, MasksThatMakeNoSenseAreSaid) {
+  const auto said = [](const Mask& mask) -> std::string {
+    try {
+      least_order(family_registry().get("butterworth"), mask);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  const Band low{Hertz{1e3}, {}}, high{Hertz{2e3}, {}}, inner{Hertz{900.0}, Hertz{1100.0}},
+      outer{Hertz{600.0}, Hertz{1500.0}};
+  EXPECT_EQ(said({Kind::lowpass, low, high, 1.0, 40.0}), "taken");
+  EXPECT_NE(said({Kind::highpass, low, high, 1.0, 40.0}).find("stop band below the pass band"),
+            std::string::npos);
+  EXPECT_NE(said({Kind::bandpass, outer, inner, 1.0, 40.0}).find("pass band inside the stop edges"),
+            std::string::npos);
+  EXPECT_NE(said({Kind::bandstop, inner, outer, 1.0, 40.0}).find("stop band inside the pass edges"),
+            std::string::npos);
+  EXPECT_NE(said({Kind::lowpass, low, high, 0.0, 40.0}), "taken");
+  EXPECT_NE(said({Kind::lowpass, low, high, 3.0, 3.0}).find("the second larger"), std::string::npos);
+}
+
 TEST(LeastOrder, SaysWhenNoOrderDoes) {
   const Mask steep{Kind::lowpass, {Hertz{1e3}, {}}, {Hertz{1.001e3}, {}}, 0.1, 80.0};
   EXPECT_THROW(least_order(family_registry().get("butterworth"), steep), DesignError);
@@ -96,6 +133,15 @@ TEST(Equalisers, HaveTheGainsTheyAreAskedFor) {
   EXPECT_NEAR(level_db(low_shelf(Hertz{100.0}, 9.0), 100.0), 4.5, 1e-12);
   EXPECT_NEAR(level_db(high_shelf(Hertz{100.0}, -9.0), 1e8), -9.0, 1e-6);
   EXPECT_NEAR(level_db(high_shelf(Hertz{100.0}, -9.0), 1e-3), 0.0, 1e-6);
+  for (const double gain_db : {200.0, -200.0}) EXPECT_NO_THROW(low_shelf(Hertz{100.0}, gain_db));
+  EXPECT_THROW(low_shelf(Hertz{100.0}, 200.1), InputError);
+  EXPECT_THROW(high_shelf(Hertz{2e12}, 1.0), InputError);
+  EXPECT_THROW(high_shelf(Hertz{9e-10}, 1.0), InputError);
+  EXPECT_THROW(peaking(Hertz{100.0}, 1.0, 1.1e6), InputError);
+  EXPECT_THROW(peaking(Hertz{100.0}, 1.0, 0.9e-6), InputError);
+  EXPECT_THROW(delay_allpass(0.0, 2), InputError);
+  EXPECT_THROW(delay_allpass(1e-3, 0), InputError);
+  EXPECT_THROW(delay_allpass(1e-3, 21), InputError);
 }
 
 TEST(Equalisers, AllPassDelaysAsThePadeApproximantDoes) {

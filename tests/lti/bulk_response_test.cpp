@@ -96,6 +96,9 @@ TEST(LevelAndPhase, EightPolesRunTheirWholeTurnAndAgreeWithTheSections) {
     EXPECT_NEAR(curves.phase_deg[i], phase, 1e-10);
   }
   EXPECT_LT(curves.phase_deg.back(), -719.0);
+  const LevelAndPhase at_once = level_and_phase(sections, grid);
+  EXPECT_EQ(at_once.magnitude_db, curves.magnitude_db);
+  EXPECT_EQ(at_once.phase_deg, curves.phase_deg);
 }
 
 TEST(LevelAndPhase, GainsBeyondTheRangeOfASquareKeepTheirLevel) {

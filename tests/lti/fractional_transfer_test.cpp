@@ -84,6 +84,11 @@ TEST(FractionalTransfer, RefusesWithFileAndLine) {
   EXPECT_THROW(read("numerator = [{coefficient = 1, power = 0, order = 3}]\ndenominator = [{coefficient = 1, "
                     "power = 0}]"),
                InputError);
+  EXPECT_THROW(
+      read("numerator = [{coefficient = 0, power = 0}]\ndenominator = [{coefficient = 1, power = 0}]"),
+      InputError);
+  EXPECT_THROW(read("pid = {kp = 1.0}\nnumerator = [{coefficient = 1, power = 0}]"), InputError);
+  EXPECT_NO_THROW(read("pid = {kp = 1.0}"));
   try {
     read("\nnumerator = [{coefficient = 'a', power = 0}]\ndenominator = [{coefficient = 1, power = 0}]");
     FAIL();

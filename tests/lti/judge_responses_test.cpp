@@ -59,6 +59,11 @@ TEST(JudgeResponses, SmoothCurvesAreComparedAtEachFrequency) {
   const ResponseDifference judged = judge_responses(of(got), of(wanted), band);
   EXPECT_NEAR(judged.max_magnitude_db, level, 1e-4 * level);
   EXPECT_NEAR(judged.max_phase_deg, angle, 1e-4 * angle);
+  const auto one_by_one = [](const Sections& h) {
+    return at_each([h](RadPerSecond w) { return h.response(w); });
+  };
+  EXPECT_NEAR(judge_responses(one_by_one(got), one_by_one(wanted), band).max_magnitude_db,
+              judged.max_magnitude_db, 1e-9);
   EXPECT_FALSE(has_flanks([&](Hertz f) { return wanted.response(f.rad_s()); }, band));
 }
 

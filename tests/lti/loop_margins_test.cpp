@@ -40,6 +40,9 @@ TEST(LoopMargins, OfThreeLagsAreTheClosedForms) {
   // |1 + L| beside -1: at sqrt(3) a it is 1/2; the peak of 1/|1 + L| lies a little below that frequency.
   EXPECT_GT(m.max_sensitivity, 2.0);
   EXPECT_LT(m.max_sensitivity_at.rad_s().value, kCorner * std::sqrt(3.0));
+  const Json json = to_json(m);
+  EXPECT_EQ(json["gain_crossings"][0]["phase_margin_deg"], m.gain_crossings[0].phase_margin_deg);
+  EXPECT_EQ(json["phase_crossings"][0]["gain_margin_db"], m.phase_crossings[0].gain_margin_db);
 }
 
 LoopMargins margins_of_data(const Sections& loop, int count) {

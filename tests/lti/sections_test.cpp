@@ -79,6 +79,20 @@ TEST(Sections, DelayTurnsTheResponseAndIsKeptInTheFile) {
   Json json = {{"schema", "bodesmith.sections/1"}};
   json.update(h.to_json());
   EXPECT_EQ(Sections::from_node(parse_json(to_text(json), "s.json")).response(w), h.response(w));
+  h.error = Sections::Error{{Hertz{1.0}, Hertz{90.0}}, 0.1, 0.2, 0.3};
+  json.update(h.to_json());
+  const auto error = Sections::from_node(parse_json(to_text(json), "s.json")).error;
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->band.to.value, 90.0);
+  EXPECT_EQ(error->max_magnitude_db, 0.1);
+  EXPECT_EQ(error->max_phase_deg, 0.2);
+  EXPECT_EQ(error->everywhere_max_magnitude_db, 0.3);
+  EXPECT_TRUE(!integrates(h));
+  h.sections.push_back({1.0, {}, {0.0}});
+  EXPECT_TRUE(integrates(h));
+  json["error"]["band_hz"] = {1.0};
+  EXPECT_THROW(Sections::from_node(parse_json(to_text(json), "s.json")), InputError);
+  json["error"]["band_hz"] = {1.0, 90.0};
   json["delay_s"] = -1e-6;
   EXPECT_THROW(Sections::from_node(parse_json(to_text(json), "s.json")), InputError);
 }

@@ -65,6 +65,47 @@ TEST(PreviewTracking, IsTheLeastSquaresSolution) {
   for (Eigen::Index i = 0; i < n; ++i) EXPECT_NEAR(u[static_cast<std::size_t>(i)], best(i), 1e-10) << i;
 }
 
+// A system that is another one at each step, from a state that is given: no other input has a smaller sum.
+TEST(PreviewTracking, FollowsASystemThatChangesFromAGivenState) {
+  constexpr std::size_t n = 8;
+  PreviewSystem system;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = static_cast<double>(i);
+    Eigen::Matrix3d a;
+    a << 0.6 - 0.05 * t, 0.1 + 0.02 * t, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0;
+    system.a.emplace_back(a);
+    system.b.emplace_back(Eigen::Vector3d(0.3 + 0.04 * t, 1.0, 0.0));
+    system.g.emplace_back(Eigen::Vector3d(1.0 + 0.1 * t, 0.2, 0.0));
+  }
+  const PreviewWeights weights{std::vector<double>(n, 1.0), 0.02, 0.3, 0.5};
+  PreviewTargets targets;
+  for (std::size_t i = 0; i < n; ++i) targets.e.push_back(std::cos(0.9 * static_cast<double>(i)));
+  const Eigen::Vector3d fixed(0.7, 0.4, 0.1);
+  const std::vector<double> u = PreviewTracking(system, weights).solve(targets, {}, fixed);
+  EXPECT_EQ(u[0], 0.4);
+  const auto sum = [&](const std::vector<double>& v) {
+    double out = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double y = system.g[i].dot(system.state_after(fixed, v, i));
+      out += (y - targets.e[i]) * (y - targets.e[i]);
+      if (i > 0) out += weights.value * v[i] * v[i];
+      if (i + 1 == n) break;
+      const double before = i > 0 ? v[i - 1] : fixed(2);
+      const double bend = v[i + 1] - 2.0 * v[i] + before, rate = v[i + 1] - v[i];
+      out += weights.curvature * bend * bend + weights.rate * rate * rate;
+    }
+    return out;
+  };
+  const double least = sum(u);
+  for (std::size_t i = 1; i < n; ++i) {
+    for (const double step : {1e-3, -1e-3}) {
+      std::vector<double> moved = u;
+      moved[i] += step;
+      EXPECT_GT(sum(moved), least) << i;
+    }
+  }
+}
+
 TEST(PreviewTracking, TheInverseOfAnUnstableZeroIsBounded) {
   // y_i = u_{i-1} - 2 u_i: its zero lies at 1/2 of z^-1, the causal inverse grows as 2^i when run the wrong way.
   PreviewSystem system = first_order();

@@ -29,6 +29,20 @@ TEST(Dense, InversesAndDeterminants) {
   EXPECT_NEAR(std::abs(determinant(c) - Complex(0.0, -8.0) * 38.0), 0.0, 1e-12);
 }
 
+TEST(Dense, SquareSystemsOfAnyKindAreSolved) {
+  const Eigen::MatrixXd a = plain_matrix();
+  const Eigen::MatrixXd b = a.transpose();
+  EXPECT_LT((a * solve_lu_columns(a, b) - b).norm(), 1e-13);
+  EXPECT_LT((a * solve_lu(a, Eigen::VectorXd(b.col(1))) - b.col(1)).norm(), 1e-13);
+  const Eigen::MatrixXcd c = a.cast<Complex>() + Complex(0.0, 1.0) * b;
+  EXPECT_LT((c * solve_lu_columns(c, Eigen::MatrixXcd(b)) - b).norm(), 1e-13);
+  EXPECT_LT((c * solve_lu(c, Eigen::VectorXcd(b.col(1))) - b.col(1)).norm(), 1e-13);
+  const SquareSvd svd = square_svd(a);
+  EXPECT_LT((svd.u * svd.values.asDiagonal() * svd.v.transpose() - a).norm(), 1e-13);
+  EXPECT_LT((svd.u.transpose() * svd.u - Eigen::MatrixXd::Identity(3, 3)).norm(), 1e-14);
+  EXPECT_GE(svd.values(0), svd.values(1));
+}
+
 TEST(Dense, EveryColumnIsSolvedLikeOne) {
   const Eigen::MatrixXd a = gram(plain_matrix());
   const Eigen::MatrixXd b = plain_matrix();

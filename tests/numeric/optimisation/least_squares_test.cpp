@@ -194,6 +194,14 @@ TEST(ParameterDeviation, ACorrelatedResidualCountsAsFewerSamples) {
   // (1 + 0.9)/(1 - 0.9) = 19 times the variance.
   EXPECT_NEAR(parameter_deviation(gram, slow)(0), std::sqrt(19.0 / 1000.0), 0.3 * std::sqrt(19.0 / 1000.0));
   EXPECT_TRUE(std::isinf(parameter_deviation(MatrixXd::Zero(1, 1), white)(0)));
+  // Two that do the same are not known apart, one beside them is; as few samples as unknowns say nothing.
+  MatrixXd same = 1000.0 * MatrixXd::Identity(3, 3);
+  same(0, 1) = same(1, 0) = 1000.0;
+  const VectorXd deviation = parameter_deviation(same, white);
+  EXPECT_TRUE(std::isinf(deviation(0)) && std::isinf(deviation(1)));
+  EXPECT_NEAR(deviation(2), 1.0 / std::sqrt(1000.0), 0.1 / std::sqrt(1000.0));
+  EXPECT_TRUE(std::isinf(parameter_deviation(gram, white.head(2))(0)));
+  EXPECT_TRUE(std::isfinite(parameter_deviation(gram, white.head(3))(0)));
 }
 
 TEST(LeastSquares, ComesToTheSameBitsOnAnyNumberOfThreads) {

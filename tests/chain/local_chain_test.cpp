@@ -70,7 +70,10 @@ void expect_recovered(std::size_t count, bool from_rest, bool varying) {
   for (std::size_t i = 0; i < count; ++i) y[i] *= slopes[std::min(i, slopes.size() - 1)];
   y = run(lead, y, from_rest);
   LocalChain chain(kStepS, count);
-  chain.add(lag);
+  if (varying)
+    chain.add(std::vector<SampledSystem>(count, lag));  // one a step
+  else
+    chain.add(lag);
   chain.add(slopes);
   chain.add(lead);
   EXPECT_EQ(chain.order(), 2u);

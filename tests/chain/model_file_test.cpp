@@ -88,6 +88,29 @@ TEST(ModelFile, WrittenTextReadsBackAsTheSameChain) {
   EXPECT_EQ(model_text(back), model_text(chain));
 }
 
+TEST(ModelFile, KeepsWhatTheRecordsShowed) {
+  Chain chain;
+  chain.blocks = {make_block("gain")};
+  EXPECT_FALSE(model_from_node(parse_toml(model_text(chain), "model.toml")).trained.has_value());
+  chain.trained = Trained{{-1.0, 2.0, 3.0, 4.0, 5.0}, -6.0, 7.0, 0.8, 0.9, {}, {}};
+  const auto plain = model_from_node(parse_toml(model_text(chain), "model.toml")).trained;
+  ASSERT_TRUE(plain.has_value());
+  EXPECT_EQ(plain->input.lower, -1.0);
+  EXPECT_EQ(plain->input.upper, 2.0);
+  EXPECT_EQ(plain->input.max_rate_per_s, 3.0);
+  EXPECT_EQ(plain->input.from_hz, 4.0);
+  EXPECT_EQ(plain->input.to_hz, 5.0);
+  EXPECT_EQ(plain->output_lower, -6.0);
+  EXPECT_EQ(plain->output_upper, 7.0);
+  EXPECT_EQ(plain->training_percent, 0.9);
+  EXPECT_EQ(plain->rms(), 0.8);
+  chain.trained->holdout_rms = 1.5;
+  chain.trained->holdout_percent = 1.6;
+  const auto held = model_from_node(parse_toml(model_text(chain), "model.toml")).trained;
+  EXPECT_EQ(held->rms(), 1.5);
+  EXPECT_EQ(held->holdout_percent, 1.6);
+}
+
 TEST(ModelFile, SaysHowTheModelStartsOrNothing) {
   const std::string block = "[[block]]\ntype = \"gain\"\ngain = 2.0\n";
   EXPECT_EQ(parse(kHead + block).start, std::nullopt);

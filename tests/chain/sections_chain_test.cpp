@@ -82,6 +82,27 @@ TEST(SectionsChain, TwoIntegratorsBelowComplexZerosAreRefused) {
   EXPECT_THROW(chain_of(sections), InputError);
 }
 
+// y = u + K(f) d(u/alpha)...: the gains at the operating frequency, strokes of the table.
+TEST(SectionsChain, AStageIsItsDisturbance) {
+  Disturbance d;
+  d.ascending = {0.1, -0.1, 0.0};
+  d.descending = {0.3, -0.3, 0.0};
+  d.rate.frequency = {Hertz{1.0}, Hertz{10.0}};
+  d.rate.ascending = {1.0, 1.0};
+  d.rate.descending = {1.0, 1.5};
+  const Block stage = stage_block(d, Hertz{10.0});
+  EXPECT_EQ(stage.part, "stage");
+  EXPECT_FALSE(stage.validate().has_value());
+  auto kernel = std::get<std::unique_ptr<MemoryKernel>>(stage.kernel())->clone();
+  kernel->reset(0.0, true);
+  for (const double u : {0.25, 0.5, 0.75, 1.0})
+    EXPECT_NEAR(kernel->step(u, 1e-3), u + 0.1 * u * (1.0 - u), 1e-12);
+  for (const double u : {0.6, 0.2}) {
+    EXPECT_NEAR(kernel->peek(u, 1e-3), u + 1.5 * 0.3 * u * (1.0 - u), 1e-12);
+    EXPECT_NEAR(kernel->step(u, 1e-3), u + 1.5 * 0.3 * u * (1.0 - u), 1e-12);
+  }
+}
+
 TEST(SectionsChain, CascadesTermsAreNamedInTheirOrder) {
   Cascade cascade;
   cascade.gain = 2.0;

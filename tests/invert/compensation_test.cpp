@@ -10,11 +10,13 @@
 #include <random>
 
 #include "base/error.hpp"
+#include "base/files.hpp"
 #include "chain/inverse.hpp"
 #include "chain/registry.hpp"
 #include "invert/drive_search.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/simulate.hpp"
+#include "temporary_folder.hpp"
 
 namespace bodesmith::invert {
 namespace {
@@ -235,6 +237,53 @@ TEST(Compensation, LongRecordsGoInWindows) {
   const TimeRecord reference = smooth_reference(21000);
   const Compensation found = compensate(chain, reference, {});
   EXPECT_LT(percent(found, reference), 0.01);
+}
+
+TEST(Compensation, WhatABlockCannotGiveIsSaidAndTheLowerLimitIsNamed) {
+  Chain chain;
+  chain.blocks = {make_block("saturation").set("lower", -0.5).set("upper", 0.5)};
+  TimeRecord reference;
+  reference.step_s = 1e-3;
+  for (int i = 0; i < 100; ++i) reference.u.push_back(-1.0 + 0.01 * i);
+  const Compensation found = compensate(chain, reference, {});
+  ASSERT_FALSE(found.out_of_reach.empty());
+  EXPECT_NE(found.out_of_reach[0].why.find("block 1 (saturation) gives no such output"), std::string::npos);
+  EXPECT_EQ(found.out_of_reach[0].samples, 50u);
+  EXPECT_DOUBLE_EQ(found.out_of_reach[0].to_s, 0.049);
+  Options options;
+  options.limits.lower = -0.2;
+  const Compensation limited = compensate({{make_block("gain")}}, reference, options);
+  ASSERT_EQ(limited.out_of_reach.size(), 1u);
+  EXPECT_NE(limited.out_of_reach[0].why.find("lower limit"), std::string::npos);
+  EXPECT_EQ(limited.samples_out_of_reach, 80u);
+}
+
+TEST(InverseFile, ReadsBackWhatItWroteAndSaysWhatIsWrong) {
+  const TemporaryFolder folder;
+  write_file(folder / "model.toml", "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\n");
+  const auto read = [&](const std::string& text) {
+    write_file(folder / "inverse.toml", text);
+    Provenance from;
+    return InverseFile::read(folder / "inverse.toml", from);
+  };
+  Options options;
+  options.start = simulate::Start::zero;
+  options.preview = false;
+  options.limits = {-1.5, 2.5, 300.0};
+  options.bandwidth = Hertz{70.0};
+  const InverseFile got = read(InverseFile::text("model.toml", options));
+  EXPECT_EQ(got.options.start, simulate::Start::zero);
+  EXPECT_FALSE(got.options.preview);
+  EXPECT_EQ(got.options.limits.lower, -1.5);
+  EXPECT_EQ(got.options.limits.upper, 2.5);
+  EXPECT_EQ(got.options.limits.max_rate_per_s, 300.0);
+  EXPECT_EQ(got.options.bandwidth->value, 70.0);
+  EXPECT_EQ(got.model.blocks.size(), 1u);
+  EXPECT_TRUE(read(InverseFile::text("model.toml", {})).options.preview);
+  EXPECT_FALSE(read(InverseFile::text("model.toml", {})).options.limits.lower.has_value());
+  EXPECT_THROW(read(InverseFile::text("none.toml", {})), InputError);
+  EXPECT_THROW(read(InverseFile::text("model.toml", {}) + "lower = 1.0\nupper = 1.0\n"), InputError);
+  EXPECT_THROW(read(InverseFile::text("model.toml", {}) + "max_rate_per_s = 0.0\n"), InputError);
 }
 
 TEST(Compensation, RefusesWhatCannotBe) {

@@ -7,11 +7,13 @@
 #include <numbers>
 
 #include "base/error.hpp"
+#include "base/files.hpp"
 #include "chain/registry.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/controller_file.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
+#include "temporary_folder.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -42,6 +44,66 @@ TEST(Feedback, ADriveIsAddedWhereItHasTheReferencesTimes) {
   refused([](TimeRecord& drive) { drive.u.pop_back(); });
   refused([](TimeRecord& drive) { drive.step_s *= 1.00001; });
   refused([](TimeRecord& drive) { drive.start_s = 0.5e-3; });
+}
+
+// What stands behind the controller is the plant's first block to the loop, and the drive is behind it.
+TEST(Feedback, AFilterStandsBetweenControllerAndPlant) {
+  const Chain plant{{make_block("lowpass").set("corner_hz", 8.0)}};
+  const TimeRecord reference = constant(1.0, 1e-3, 200);
+  LoopSetup setup;
+  setup.controller.integral_per_s = 20.0;
+  setup.filter.emplace().sections.push_back(
+      Section::pole_zero(1.0, RadPerSecond{200.0}, RadPerSecond{900.0}));
+  const LoopResult got = simulate_loop(plant, setup, reference);
+  const Chain whole{{make_block("pole_zero")
+                         .set("zero_hz", 200.0 / (2.0 * std::numbers::pi))
+                         .set("pole_hz", 900.0 / (2.0 * std::numbers::pi)),
+                     plant.blocks[0]}};
+  const LoopResult same = simulate_loop(whole, std::nullopt, setup.controller, reference);
+  ASSERT_EQ(got.y.size(), same.y.size());
+  TimeRecord control = reference;
+  control.u = same.drive;
+  const std::vector<double> drive = simulate({{whole.blocks[0]}}, control, {}).y;
+  for (std::size_t i = 0; i < got.y.size(); ++i) {
+    EXPECT_NEAR(got.y[i], same.y[i], 1e-9);
+    EXPECT_NEAR(got.drive[i], drive[i], 1e-6);
+  }
+}
+
+TEST(ControllerFile, IsReadWholeAndSaysWhatIsWrong) {
+  const TemporaryFolder folder;
+  write_file(folder / "drive.csv", "time_s,u\n0,1\n0.001,2\n0.002,3\n");
+  write_file(folder / "model.toml", "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\n");
+  write_file(folder / "inverse.toml", "schema = \"bodesmith.inverse/1\"\nmodel = \"model.toml\"\n");
+  const auto read = [&](const std::string& text) {
+    write_file(folder / "controller.toml", "schema = \"bodesmith.controller/1\"\n" + text);
+    Provenance from;
+    return read_controller(folder / "controller.toml", from);
+  };
+  const LoopSetup all = read(
+      "type = \"pid\"\nkp = 0.5\nki_per_s = 150.0\nkd_s = 1e-4\nderivative_corner_hz = 1e3\nsample_s = 1e-4\nlower = -0.1\n"
+      "upper = 1.1\n[filter]\nschema = \"bodesmith.sections/1\"\ngain = 2.0\nsections = []\n");
+  EXPECT_EQ(all.controller.proportional, 0.5);
+  EXPECT_EQ(all.controller.integral_per_s, 150.0);
+  EXPECT_EQ(all.controller.derivative_s, 1e-4);
+  EXPECT_EQ(all.controller.derivative_corner.value, 1e3);
+  EXPECT_EQ(all.controller.period_s, 1e-4);
+  EXPECT_EQ(all.controller.lower, -0.1);
+  EXPECT_EQ(all.controller.upper, 1.1);
+  EXPECT_EQ(all.filter->gain, 2.0);
+  const std::string pi = "type = \"pi\"\nki_per_s = 2.0\n";
+  EXPECT_EQ(read(pi).controller.proportional, 0.0);
+  EXPECT_FALSE(read(pi).controller.limited());
+  EXPECT_EQ(read(pi + "feedforward = \"drive.csv\"\n").drive->u[2], 3.0);
+  EXPECT_EQ(read(pi + "feedforward = \"model.toml\"\n").feedforward->blocks.size(), 1u);
+  EXPECT_EQ(read(pi + "feedforward = \"inverse.toml\"\n").inverse, folder / "inverse.toml");
+  EXPECT_THROW(read("type = \"pi\"\n"), InputError);
+  EXPECT_THROW(read("type = \"pid\"\nki_per_s = 2.0\n"), InputError);
+  EXPECT_THROW(read(pi + "kd_s = 1.0\n"), InputError);
+  EXPECT_THROW(read(pi + "lower = 1.0\nupper = 1.0\n"), InputError);
+  EXPECT_THROW(read(pi + "sample_s = 0.0\n"), InputError);
+  EXPECT_THROW(read(pi + "feedforward = \"none.toml\"\n"), InputError);
+  EXPECT_THROW(read(pi + "feedforward = \"model.toml\"\nfilter = \"notch.json\"\n"), InputError);
 }
 
 TEST(Feedback, PiRoundALagIsItsClosedForm) {

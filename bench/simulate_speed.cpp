@@ -242,7 +242,7 @@ void record_of_gap(benchmark::State& state, const chain::Chain& chain) {
   double change = 0.0;
   for (auto _ : state) {
     change += 1e-6;
-    simulator.set_free(0, 1.0 + change);
+    simulator.chain().free_parameters()[0]->value = 1.0 + change;
     benchmark::DoNotOptimize(simulator.run(u).data());
   }
   state.counters["degree"] = simulator.degree();

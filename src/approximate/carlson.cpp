@@ -18,7 +18,6 @@ namespace {
 class Carlson final : public Method {
  public:
   std::string_view name() const override { return "carlson"; }
-  std::string_view source() const override { return "Carlson and Halijak 1964"; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
 };
 

@@ -13,7 +13,6 @@ namespace {
 class Charef final : public Method {
  public:
   std::string_view name() const override { return "charef"; }
-  std::string_view source() const override { return "Charef et al. 1992"; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     const double m = task.beta;
     const double y = 10.0 * m * (1.0 - m) * std::log10(task.kappa) / task.order;

@@ -92,7 +92,6 @@ std::optional<std::vector<ManyDigits>> aberth_zeros(const Thiele& thiele, std::v
 class Matsuda final : public Method {
  public:
   std::string_view name() const override { return "matsuda"; }
-  std::string_view source() const override { return "Matsuda and Fujii 1993, at real s"; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
 };
 

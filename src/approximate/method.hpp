@@ -36,8 +36,6 @@ class Method {
 
   /// As users name it.
   virtual std::string_view name() const = 0;
-  /// Paper, equation.
-  virtual std::string_view source() const = 0;
   /// Refused: an order or a beta that the method cannot do well.
   virtual Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const = 0;
   /// Whether whole powers of ((s/a + 1)/(s/b + 1)) are split off first when |beta| > 1; they count in the order, and

@@ -289,13 +289,11 @@ std::optional<ComplexPositions> from_the_band(ComplexPositions zeta, long double
   return zeta;
 }
 
-/// Equal ripple in log magnitude over all frequencies (or between the corners): the best there is.
+/// Equal ripple in log magnitude over all frequencies (or between the corners): the best there is. By Remez exchange on log pole
+/// and zero positions.
 class Minimax final : public Method {
  public:
   std::string_view name() const override { return "minimax"; }
-  std::string_view source() const override {
-    return "equal ripple in log magnitude (Remez exchange on log pole and zero positions)";
-  }
   bool splits_whole_powers() const override { return false; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     const long double log_kappa = std::log(static_cast<long double>(task.kappa));

@@ -22,10 +22,10 @@ NormalisedApproximation oustaloup_recursion(double kappa, double beta, int order
   return out;
 }
 
+/// Oustaloup et al., IEEE Trans. CAS-I 47, 2000.
 class Oustaloup final : public Method {
  public:
   std::string_view name() const override { return "oustaloup"; }
-  std::string_view source() const override { return "Oustaloup et al., IEEE Trans. CAS-I 47, 2000"; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     return oustaloup_recursion(task.kappa, task.beta, task.order);
   }
@@ -38,7 +38,6 @@ class Oustaloup final : public Method {
 class RefinedOustaloup final : public Method {
  public:
   std::string_view name() const override { return "refined-oustaloup"; }
-  std::string_view source() const override { return "Xue, Zhao and Chen 2006"; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
 };
 

@@ -11,7 +11,6 @@ namespace {
 class Pade final : public Method {
  public:
   std::string_view name() const override { return "pade"; }
-  std::string_view source() const override { return "continued fraction at the centre of the band"; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     const long double log_kappa = std::log(static_cast<long double>(task.kappa));
     const std::vector<long double> zeta = pade_positions(log_kappa, task.beta, task.order);

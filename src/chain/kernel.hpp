@@ -73,7 +73,6 @@ class OdeKernel {
 class MemoryKernel {
  public:
   virtual ~MemoryKernel() = default;
-  virtual std::unique_ptr<MemoryKernel> clone() const = 0;
   /// Forgets everything. `equilibrium`: rests under u; otherwise rests under 0 and then jumps to u. Returns
   /// the output there.
   virtual double reset(double u, bool equilibrium) = 0;

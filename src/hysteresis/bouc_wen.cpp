@@ -162,7 +162,6 @@ class BoucWenType final : public ShapedModelType<BoucWen, BoucWenOperator> {
  public:
   BoucWenType()
       : ShapedModelType("bouc_wen", "differential equation with a hysteretic state",
-                        "Bouc 1967, Wen 1976; Low and Guo 1995",
                         {
                             any_number("k", "y/u", "slope without hysteresis"),
                             any_number("A", "y/u", "slope with which the hysteretic part starts"),

@@ -30,7 +30,7 @@ struct BoucWen {
   double advance(double z, double du) const;
 };
 
-class BoucWenOperator final : public Cloned<BoucWenOperator, Operator> {
+class BoucWenOperator final : public Operator {
  public:
   explicit BoucWenOperator(BoucWen model) : model_(model) { reset(0.0); }
   double reset(double u) override {

@@ -185,7 +185,6 @@ class EllipseType final : public ShapedModelType<Ellipse, EllipseOperator, Ellip
   EllipseType()
       : ShapedModelType(
             "ellipse", "ellipse over the input, surfaces over amplitude and frequency",
-            "High-speed tracking control of piezoelectric actuators using an ellipse-based hysteresis model, eq. 1-6",
             {
                 any_number("u_0", "u", "centre of the input").with_default(0.0),
                 list_of(above_zero("u_A", "u", "amplitudes of the surfaces, rising")),

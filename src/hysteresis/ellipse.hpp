@@ -75,7 +75,7 @@ class WaveTracker {
   double turn_time_ = 0.0;
 };
 
-class EllipseOperator final : public Cloned<EllipseOperator, Operator> {
+class EllipseOperator final : public Operator {
  public:
   explicit EllipseOperator(Ellipse model);
   double reset(double u) override;
@@ -91,7 +91,7 @@ class EllipseOperator final : public Cloned<EllipseOperator, Operator> {
   double u_ = 0.0;
 };
 
-class EllipseInverse final : public Cloned<EllipseInverse, Inverse> {
+class EllipseInverse final : public Inverse {
  public:
   explicit EllipseInverse(Ellipse model);
   double reset(double y) override;

@@ -106,16 +106,14 @@ class ExponentialOperatorType final
     : public ShapedModelType<ExponentialOperators, ExponentialOperator, ExponentialInverse> {
  public:
   ExponentialOperatorType()
-      : ShapedModelType(
-            "exponential_operator",
-            "sum of exponential branches from the last turning point, on a stack of extremes",
-            "Modeling of piezoelectric actuator for compensation and controller design, eq. 2-5, conditions 1-4",
-            {
-                list_of(any_number("k", "y/u", "gains of the operators")),
-                list_of(above_zero("tau", "1/u", "lags of the operators")),
-                any_number("V_off", "u", "input of the first turning point").with_default(0.0),
-                any_number("L_off", "y", "output of the first turning point").with_default(0.0),
-            }) {}
+      : ShapedModelType("exponential_operator",
+                        "sum of exponential branches from the last turning point, on a stack of extremes",
+                        {
+                            list_of(any_number("k", "y/u", "gains of the operators")),
+                            list_of(above_zero("tau", "1/u", "lags of the operators")),
+                            any_number("V_off", "u", "input of the first turning point").with_default(0.0),
+                            any_number("L_off", "y", "output of the first turning point").with_default(0.0),
+                        }) {}
 
  protected:
   Identified fit(std::span<const TimeRecord> records, const IdentifyOptions& options) const override {

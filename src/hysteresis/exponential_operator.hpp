@@ -52,7 +52,7 @@ struct ExponentialOperators {
   }
 };
 
-class ExponentialOperator final : public Cloned<ExponentialOperator, Operator> {
+class ExponentialOperator final : public Operator {
  public:
   explicit ExponentialOperator(ExponentialOperators model);
   double reset(double u) override;
@@ -65,7 +65,7 @@ class ExponentialOperator final : public Cloned<ExponentialOperator, Operator> {
   friend class ExponentialInverse;
 };
 
-class ExponentialInverse final : public Cloned<ExponentialInverse, Inverse> {
+class ExponentialInverse final : public Inverse {
  public:
   /// Throws DesignError when g falls somewhere.
   explicit ExponentialInverse(ExponentialOperators model);

@@ -18,7 +18,7 @@ Complex power(Complex s, double exponent) {
 }
 
 /// F⁻¹ over the static gain, and the whole model alongside it to say what comes out.
-class FractionalInverse final : public Cloned<FractionalInverse, Inverse> {
+class FractionalInverse final : public Inverse {
  public:
   explicit FractionalInverse(const FractionalDynamic& model)
       : model_(model), forward_(model), back_(inverse_of(model)) {}
@@ -62,7 +62,6 @@ class FractionalDynamicType final : public ShapedModelType<FractionalDynamic, Fr
   FractionalDynamicType()
       : ShapedModelType(
             "fractional_dynamic", "linear fractional hysteresis force with lag and resonance",
-            "A Novel Fractional Order Model for the Dynamic Hysteresis of Piezoelectrically Actuated Fast Tool Servo, eq. 8-19",
             {
                 any_number("K_M", "1", "gain in front of the resonance"),
                 between("xi", "1", "damping ratio of the resonance", 1e-6, 100.0),

@@ -61,7 +61,7 @@ struct LagSpread {
   Complex response(Complex s) const;
 };
 
-class FractionalOperator final : public Cloned<FractionalOperator, Operator> {
+class FractionalOperator final : public Operator {
  public:
   explicit FractionalOperator(const FractionalDynamic& model);
   double reset(double u) override;

@@ -12,13 +12,6 @@ SearchedInverse::SearchedInverse(std::unique_ptr<Operator> forward, double u_min
   achieved_ = forward_->reset(u_);
 }
 
-SearchedInverse::SearchedInverse(const SearchedInverse& other)
-    : Inverse(other),
-      forward_(other.forward_->clone()),
-      u_min_(other.u_min_),
-      u_max_(other.u_max_),
-      u_(other.u_) {}
-
 double BracketingInverse::reset(double y) {
   // At rest the operator is a plain function of u.
   const auto error = [&](double u) { return forward_->reset(u) - y; };

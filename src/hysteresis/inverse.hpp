@@ -9,7 +9,6 @@ namespace bodesmith::hysteresis {
 class Operator {
  public:
   virtual ~Operator() = default;
-  virtual std::unique_ptr<Operator> clone() const = 0;
 
   /// Forgets everything and rests under the input u; returns the output there.
   virtual double reset(double u) = 0;
@@ -25,7 +24,6 @@ class Operator {
 class Inverse {
  public:
   virtual ~Inverse() = default;
-  virtual std::unique_ptr<Inverse> clone() const = 0;
 
   /// Forgets everything; the model rests under the returned input, at the reference y where it can be
   /// reached.
@@ -39,20 +37,10 @@ class Inverse {
   double achieved_ = 0.0;
 };
 
-/// clone() of an operator or inverse by its own copy constructor.
-template <class Derived, class Base>
-class Cloned : public Base {
- public:
-  std::unique_ptr<Base> clone() const override {
-    return std::make_unique<Derived>(static_cast<const Derived&>(*this));
-  }
-};
-
 /// One that tries inputs in [u_min, u_max] on the operator itself.
 class SearchedInverse : public Inverse {
  public:
   SearchedInverse(std::unique_ptr<Operator> forward, double u_min, double u_max);
-  SearchedInverse(const SearchedInverse& other);
 
  protected:
   std::unique_ptr<Operator> forward_;
@@ -66,7 +54,6 @@ class SearchedInverse : public Inverse {
 class BracketingInverse final : public SearchedInverse {
  public:
   using SearchedInverse::SearchedInverse;
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<BracketingInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
 
@@ -81,7 +68,6 @@ class RecursiveInverse final : public SearchedInverse {
  public:
   RecursiveInverse(std::unique_ptr<Operator> forward, double delta_u, double u_min, double u_max)
       : SearchedInverse(std::move(forward), u_min, u_max), delta_u_(delta_u) {}
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<RecursiveInverse>(*this); }
   double reset(double y) override;
   double step(double y, double dt_s) override;
 

@@ -139,7 +139,6 @@ class KrasnoselskiiPokrovskiiType final : public ShapedModelType<KrasnoselskiiPo
       : ShapedModelType(
             "krasnoselskii_pokrovskii",
             "weighted KP kernels on the stack of extremes, optionally with the rate function a1 exp(-a2 du/dt)",
-            "Rate Dependent Krasnoselskii-Pokrovskii Modeling, eq. 1-14",
             {
                 any_number("u_min", "u", "input that v = 0 stands for"),
                 any_number("u_max", "u", "input that v = 1 stands for"),

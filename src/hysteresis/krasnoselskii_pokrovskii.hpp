@@ -51,7 +51,7 @@ struct KrasnoselskiiPokrovskii {
   static KrasnoselskiiPokrovskii from(const Parameters& values);
 };
 
-class KpOperator final : public Cloned<KpOperator, Operator> {
+class KpOperator final : public Operator {
  public:
   explicit KpOperator(const KrasnoselskiiPokrovskii& model);
   double reset(double u) override;
@@ -69,7 +69,7 @@ class KpOperator final : public Cloned<KpOperator, Operator> {
 };
 
 /// See above.
-class KpRateInverse final : public Cloned<KpRateInverse, Inverse> {
+class KpRateInverse final : public Inverse {
  public:
   explicit KpRateInverse(const KrasnoselskiiPokrovskii& model);
   double reset(double y) override;

@@ -110,12 +110,8 @@ Parameters completed(const Parameters& given, const std::vector<ParameterSpec>& 
   return out;
 }
 
-ModelType::ModelType(std::string name, std::string what, std::string source,
-                     std::vector<ParameterSpec> parameters)
-    : name_(std::move(name)),
-      what_(std::move(what)),
-      source_(std::move(source)),
-      parameters_(std::move(parameters)) {}
+ModelType::ModelType(std::string name, std::string what, std::vector<ParameterSpec> parameters)
+    : name_(std::move(name)), what_(std::move(what)), parameters_(std::move(parameters)) {}
 
 Model ModelType::model(const Parameters& values) const {
   Model out{this, completed(values, parameters_, name_)};

@@ -78,12 +78,11 @@ struct BranchCurves {
 /// in model_type.cpp.
 class ModelType {
  public:
-  ModelType(std::string name, std::string what, std::string source, std::vector<ParameterSpec> parameters);
+  ModelType(std::string name, std::string what, std::vector<ParameterSpec> parameters);
   virtual ~ModelType() = default;
 
-  const std::string& name() const { return name_; }      ///< `type` of the block in model.toml
-  const std::string& what() const { return what_; }      ///< one line for a person
-  const std::string& source() const { return source_; }  ///< paper and equations
+  const std::string& name() const { return name_; }  ///< `type` of the block in model.toml
+  const std::string& what() const { return what_; }  ///< one line for a person
   const std::vector<ParameterSpec>& parameters() const { return parameters_; }
 
   /// Fills in what is optional and checks everything; throws DesignError.
@@ -118,7 +117,6 @@ class ModelType {
  private:
   std::string name_;
   std::string what_;
-  std::string source_;
   std::vector<ParameterSpec> parameters_;
 };
 

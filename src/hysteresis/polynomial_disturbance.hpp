@@ -88,7 +88,7 @@ struct PolynomialDisturbance {
   std::array<double, 2> rising_part(bool rising) const;
 };
 
-class PolynomialOperator final : public Cloned<PolynomialOperator, Operator> {
+class PolynomialOperator final : public Operator {
  public:
   explicit PolynomialOperator(PolynomialDisturbance model);
   double reset(double u) override;
@@ -108,7 +108,7 @@ class PolynomialOperator final : public Cloned<PolynomialOperator, Operator> {
   friend class PolynomialInverse;
 };
 
-class PolynomialInverse final : public Cloned<PolynomialInverse, Inverse> {
+class PolynomialInverse final : public Inverse {
  public:
   /// Throws DesignError when a branch falls somewhere on [0, 1].
   explicit PolynomialInverse(PolynomialDisturbance model);

@@ -286,7 +286,6 @@ class PrandtlIshlinskiiType final
       : ShapedModelType(
             "prandtl_ishlinskii",
             "weighted plays, optionally with dead zones (asymmetry) and an envelope; analytic inverse",
-            "Kuhnen 2003; Al Janaideh, Rakheja, Su 2011",
             {
                 list_of(not_negative("r", "u", "thresholds of the plays, 0 = r[0] < r[1] < …")),
                 list_of(

@@ -46,7 +46,7 @@ struct PrandtlIshlinskii {
 /// The words of `start` in model.toml.
 std::string_view to_string(PrandtlIshlinskii::Start start);
 
-class PrandtlIshlinskiiOperator final : public Cloned<PrandtlIshlinskiiOperator, Operator> {
+class PrandtlIshlinskiiOperator final : public Operator {
  public:
   explicit PrandtlIshlinskiiOperator(PrandtlIshlinskii model);
   double reset(double u) override;
@@ -68,7 +68,7 @@ class PrandtlIshlinskiiOperator final : public Cloned<PrandtlIshlinskiiOperator,
   std::vector<DeadZone> above_, below_;  ///< 0
 };
 
-class PrandtlIshlinskiiInverse final : public Cloned<PrandtlIshlinskiiInverse, Inverse> {
+class PrandtlIshlinskiiInverse final : public Inverse {
  public:
   explicit PrandtlIshlinskiiInverse(PrandtlIshlinskii model);
   double reset(double y) override;

@@ -129,7 +129,6 @@ class PreisachType final : public ShapedModelType<Preisach> {
       : ShapedModelType(
             "preisach",
             "weighted relays by a stack of turning points and the Everett function; exact inverse",
-            "Mayergoyz 1991; Modeling and Control of Piezoelectric Hysteresis, section V.B",
             {
                 any_number("u_min", "u", "lower end of the input range: all relays off"),
                 any_number("u_max", "u", "upper end of the input range: all relays on"),

@@ -131,7 +131,7 @@ struct Preisach {
 };
 
 template <class Rule>
-class EverettOperator final : public Cloned<EverettOperator<Rule>, Operator> {
+class EverettOperator final : public Operator {
  public:
   EverettOperator(Rule rule, double u_min, double offset)
       : loops_(std::move(rule), 4096), u_min_(u_min), offset_(offset) {
@@ -162,7 +162,7 @@ class EverettOperator final : public Cloned<EverettOperator<Rule>, Operator> {
 };
 
 template <class Rule>
-class EverettInverse final : public Cloned<EverettInverse<Rule>, Inverse> {
+class EverettInverse final : public Inverse {
  public:
   EverettInverse(EverettOperator<Rule> forward, double u_min, double y_min, double y_max)
       : forward_(std::move(forward)), u_min_(u_min), y_min_(y_min), y_max_(y_max) {}

@@ -1,6 +1,6 @@
 #include "numeric/random.hpp"
 
-#include <cstddef>
+#include "numeric/log_and_angle.hpp"
 
 namespace bodesmith {
 
@@ -12,14 +12,6 @@ double normal_number(std::uint64_t seed, std::int64_t k) {
 }
 
 namespace {
-
-/// sum c_k x^k.
-template <std::size_t N>
-double horner(const double (&c)[N], double x) {
-  double sum = c[N - 1];
-  for (std::size_t k = N - 1; k-- > 0;) sum = sum * x + c[k];
-  return sum;
-}
 
 constexpr double kCentreAbove[] = {3.387132872796366608,  133.14166789178437745, 1971.5909503065514427,
                                    13731.693765509461125, 45921.953931549871457, 67265.770927008700853,

@@ -74,15 +74,6 @@ Sections resonance_path(Hertz natural_frequency, double damping_ratio) {
   return Sections{1.0, {s}, std::nullopt};
 }
 
-Sections in_series(const std::vector<Sections>& paths) {
-  Sections out;
-  for (const Sections& path : paths) {
-    out.gain *= path.gain;
-    out.sections.insert(out.sections.end(), path.sections.begin(), path.sections.end());
-  }
-  return out;
-}
-
 IdentifiedStage::IdentifiedStage(const hysteresis::ModelType& type, Disturbance disturbance, StagePaths paths,
                                  Options options)
     : type_(type),
@@ -90,9 +81,6 @@ IdentifiedStage::IdentifiedStage(const hysteresis::ModelType& type, Disturbance 
       paths_(std::move(paths)),
       options_(std::move(options)),
       mirrored_(loop_area(disturbance_) < 0.0) {}
-
-IdentifiedStage::IdentifiedStage(const hysteresis::ModelType& type, Disturbance disturbance, StagePaths paths)
-    : IdentifiedStage(type, std::move(disturbance), std::move(paths), Options{}) {}
 
 const std::string& IdentifiedStage::name() const {
   return type_.name();
@@ -105,9 +93,7 @@ TimeRecord IdentifiedStage::loops(Hertz operating) const {
   out.step_s = 0.5 / (operating.value * samples);
   out.u = {0.0};
   // The first stroke twice: what happens before the loops have closed is not fitted.
-  std::vector<double> strokes = options_.strokes;
-  strokes.insert(strokes.begin(), strokes.front());
-  for (const double stroke : strokes) {
+  for (const double stroke : {1.0, 1.0, 0.75, 0.5, 0.25}) {
     for (std::size_t i = 1; i <= options_.samples; ++i)
       out.u.push_back(stroke * static_cast<double>(i) / samples);
     for (std::size_t i = options_.samples; i-- > 0;)
@@ -130,17 +116,17 @@ const IdentifiedStage::Found& IdentifiedStage::found(Hertz operating) const {
   hysteresis::IdentifyOptions options = options_.identify;
   const std::size_t stroke = 2 * options_.samples;
   options.skip_s = static_cast<double>(stroke) * record.step_s;
-  Found out{type_.identify(std::span(&record, 1), options), {}};
+  Found out{type_.identify(std::span(&record, 1), options)};
   const std::vector<double> y = settled_output(out.model, record.u, record.step_s);
   const auto part = [&](const std::vector<double>& all, std::size_t from, std::size_t count) {
     return std::span<const double>(all).subspan(from, count);
   };
-  out.fit.full_stroke_percent = rms_percent_of_range(part(y, stroke, stroke), part(record.y, stroke, stroke));
+  out.fit_percent = rms_percent_of_range(part(y, stroke, stroke), part(record.y, stroke, stroke));
   return known_.emplace(key, std::move(out)).first->second;
 }
 
-IdentifiedStage::Fit IdentifiedStage::fit(Hertz operating) const {
-  return found(operating).fit;
+double IdentifiedStage::fit_percent(Hertz operating) const {
+  return found(operating).fit_percent;
 }
 
 std::vector<double> IdentifiedStage::response(std::span<const double> v, double step_s,

@@ -23,30 +23,24 @@ namespace bodesmith::tracking {
 class IdentifiedStage final : public Stage {
  public:
   struct Options {
-    /// Turning points of the loops that are identified from: 0 … a and back for each of these.
-    std::vector<double> strokes = {1.0, 0.75, 0.5, 0.25};
     std::size_t samples = 80;  ///< a half stroke
     hysteresis::IdentifyOptions identify;
   };
 
   IdentifiedStage(const hysteresis::ModelType& type, Disturbance disturbance, StagePaths paths,
                   Options options);
-  IdentifiedStage(const hysteresis::ModelType& type, Disturbance disturbance, StagePaths paths = {});
 
   const std::string& name() const override;
   std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const override;
 
   /// How far the model is from the loops it was identified from at that frequency, percent of range (eq. 8), over
   /// the full stroke.
-  struct Fit {
-    double full_stroke_percent = 0.0;
-  };
-  Fit fit(Hertz operating) const;
+  double fit_percent(Hertz operating) const;
 
  private:
   struct Found {
     hysteresis::Identified model;
-    Fit fit;
+    double fit_percent = 0.0;
   };
   const Found& found(Hertz operating) const;
   TimeRecord loops(Hertz operating) const;
@@ -65,8 +59,5 @@ Sections lowpass_path(Hertz corner);
 
 /// w^2/(s^2 + 2 zeta w s + w^2).
 Sections resonance_path(Hertz natural_frequency, double damping_ratio);
-
-/// One behind the other.
-Sections in_series(const std::vector<Sections>& paths);
 
 }  // namespace bodesmith::tracking

@@ -191,7 +191,7 @@ std::vector<double> PeriodicTracking::stage_disturbance(const std::vector<double
                                                         Options::Argument argument) const {
   const bool on_drive = argument == Options::Argument::drive;
   const std::vector<double>& read = on_drive ? drive : x_;
-  const std::vector<bool> rising = on_drive ? rising_samples(drive, 0.02 * options_.alpha) : rising_;
+  const std::vector<bool> rising = on_drive ? rising_samples(drive, options_.alpha) : rising_;
   std::vector<double> out(n_);
   for (std::size_t i = 0; i < n_; ++i) out[i] = own_.value(branch_of(rising[i]), read[i]);
   return out;

@@ -187,7 +187,7 @@ std::vector<double> PolynomialStage::by_slope(const std::vector<double>& u, Hert
     gain[branch_index(branch)] =
         disturbance_.rate_gain(branch, operating) * disturbance_.amplitude.at(branch, alpha);
   }
-  const std::vector<bool> rising = rising_samples(u, options_.turn_back * alpha);
+  const std::vector<bool> rising = rising_samples(u, alpha);
   std::vector<double> q(u.size());
   for (std::size_t i = 0; i < u.size(); ++i) {
     const Branch branch = branch_of(rising[i]);
@@ -218,10 +218,10 @@ std::vector<double> through_path(const Sections& path, std::span<const double> u
   return settled_path(state_space(path), u, step_s).output;
 }
 
-std::vector<bool> rising_samples(std::span<const double> u, double turn_back) {
+std::vector<bool> rising_samples(std::span<const double> u, double alpha) {
   const std::size_t n = u.size();
   const auto start = static_cast<std::size_t>(std::ranges::min_element(u) - u.begin());
-  const std::vector<TurningPoint> turns = turning_points(u, start, turn_back);
+  const std::vector<TurningPoint> turns = turning_points(u, start, 0.02 * alpha);
   std::vector<bool> out(n, true);
   if (turns.size() == 1) return out;  // it never turns
   for (std::size_t t = 0; t < turns.size(); ++t) {

@@ -45,9 +45,6 @@ class PolynomialStage final : public Stage {
     double alpha =
         1.0;  ///< amplitude of the drive, for the amplitude gains; the rule `nested` sees it itself
     Rule rule = Rule::slope;
-    /// A turn counts when the drive has gone back by more than this share of alpha: steps of a clocked drive and
-    /// a simulator's noise are none. The branch then changes at the turning point itself.
-    double turn_back = 0.02;
   };
 
   /// InputError when alpha is not above 0.
@@ -73,9 +70,9 @@ void check_drive(std::span<const double> v);
 /// One period through a path of stable poles, in steady state (settled_path()).
 std::vector<double> through_path(const Sections& path, std::span<const double> u, double step_s);
 
-/// For each sample of a repeating signal whether it rises there: cut at the turning points from which the signal
-/// goes back by more than `turn_back`. All true when it never does.
-std::vector<bool> rising_samples(std::span<const double> u, double turn_back);
+/// For each sample of a repeating signal of that amplitude whether it rises there: cut at the turning points from which it goes back
+/// by more than 2 % of that (steps of a clocked drive and a simulator's noise are no turns). All true when it never does.
+std::vector<bool> rising_samples(std::span<const double> u, double alpha);
 
 /// Eq. 8 of the disturbance paper: 100 rms(y - x)/(max y - min y), and the same with the best pure delay of x.
 struct TrackingError {

@@ -14,7 +14,6 @@ namespace {
 class Heap final : public Method {
  public:
   std::string_view name() const override { return "heap"; }
-  std::string_view source() const override { return "this test"; }
   Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     if (task.order > 12) return Refusal{"heap stops at an order of 12"};
     const double spread = std::pow(task.kappa, task.beta / (2.0 * task.order));

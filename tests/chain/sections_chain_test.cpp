@@ -93,7 +93,7 @@ TEST(SectionsChain, AStageIsItsDisturbance) {
   const Block stage = stage_block(d, Hertz{10.0});
   EXPECT_EQ(stage.part, "stage");
   EXPECT_FALSE(stage.validate().has_value());
-  auto kernel = std::get<std::unique_ptr<MemoryKernel>>(stage.kernel())->clone();
+  auto kernel = std::get<std::unique_ptr<MemoryKernel>>(stage.kernel());
   kernel->reset(0.0, true);
   for (const double u : {0.25, 0.5, 0.75, 1.0})
     EXPECT_NEAR(kernel->step(u, 1e-3), u + 0.1 * u * (1.0 - u), 1e-12);

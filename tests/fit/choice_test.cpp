@@ -39,5 +39,23 @@ TEST(FitChoice, FewBandsStayACascade) {
   EXPECT_FALSE(why_unusable(fit_cascade(points)));
 }
 
+// What two poles make exactly no bands do: within a wide limit the fewer poles are taken, whichever they are.
+TEST(FitChoice, TakesBandsWhereTheyNeedFewerPoles) {
+  BodePoints points;
+  for (int i = 0; i <= 12; ++i) {
+    const double f = 10.0 * std::pow(10.0, i / 4.0);
+    const std::complex<double> s(0.0, f / 300.0);
+    points.points.push_back({Hertz{f}, std::pow(std::abs((1.0 + s) / (1.0 + s / 10.0)), 0.3), {}, 1.0, 0});
+  }
+  const FitChoice choice = choose_fit(points, {}, {}, 1.0);
+  EXPECT_NE(choice.cascade.has_value(), choice.sections.has_value());
+  const int bands = choice.cascade ? least_poles(*choice.cascade) : 99;
+  const double left = choice.cascade ? choice.cascade->cascade.fit->max_db : choice.sections->max_db;
+  EXPECT_LE(left, 1.0) << choice.why;
+  if (choice.sections) {
+    EXPECT_LE(choice.sections->sections.pole_count(), bands);
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith

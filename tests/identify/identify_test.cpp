@@ -33,7 +33,6 @@ struct Play {
 class PlayOperator final : public Operator {
  public:
   explicit PlayOperator(Play play) : play_(play) {}
-  std::unique_ptr<Operator> clone() const override { return std::make_unique<PlayOperator>(*this); }
   double reset(double u) override { return y_ = u; }
   double step(double u, double dt_s) override { return y_ = peek(u, dt_s); }
   double peek(double u, double) const override { return std::clamp(y_, u - play_.r, u + play_.r); }
@@ -48,7 +47,6 @@ class PlayOperator final : public Operator {
 class PlayInverse final : public Inverse {
  public:
   explicit PlayInverse(Play play) : play_(play) {}
-  std::unique_ptr<Inverse> clone() const override { return std::make_unique<PlayInverse>(*this); }
   double reset(double y) override {
     y_ = y;
     return y;
@@ -69,8 +67,7 @@ class PlayInverse final : public Inverse {
 class PlayType final : public hysteresis::ShapedModelType<Play> {
  public:
   PlayType()
-      : ShapedModelType("play_in_identify_test", "one play", "this test",
-                        {not_negative("r", "u", "half the width")}) {}
+      : ShapedModelType("play_in_identify_test", "one play", {not_negative("r", "u", "half the width")}) {}
 
  protected:
   std::unique_ptr<Operator> operator_of(const Play& play) const override {

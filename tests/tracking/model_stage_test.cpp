@@ -231,7 +231,7 @@ TEST(Generator, AStageOfAnotherFamilyAnswersTheDrive) {
                                {"self", ConstantGain{}, ConstantGain{}, "", GeneratorForm::self_fed()}},
                               tracked_at({1}));
   EXPECT_NEAR(report.cases[0].rms_percent, 0.616, 0.05);
-  EXPECT_NEAR(report.cases[1].rms_percent, stage->fit(Hertz{1}).full_stroke_percent, 0.02);
+  EXPECT_NEAR(report.cases[1].rms_percent, stage->fit_percent(Hertz{1}), 0.02);
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ TEST(Stage, AnotherFamilyTracksAsWellAsItFits) {
     options.identify.size = 20;
     const IdentifiedStage stage(hysteresis::model_type_registry().get(family), printed_disturbance(), {},
                                 options);
-    const double fit = stage.fit(Hertz{1}).full_stroke_percent;
+    const double fit = stage.fit_percent(Hertz{1});
     EXPECT_NEAR(left_over(stage, passes(60)), fit, 0.5 * fit + 0.05) << family;
     EXPECT_GT(left_over(stage, passes(0)), 4.0) << family;
   }

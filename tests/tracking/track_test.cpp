@@ -8,6 +8,7 @@
 #include "approximate/approximate.hpp"
 #include "base/error.hpp"
 #include "lti/cascade.hpp"
+#include "lti/section_making.hpp"
 #include "tracking/model_stage.hpp"
 
 namespace bodesmith::tracking {

@@ -9,7 +9,6 @@ namespace {
 class Play final : public MemoryKernel {
  public:
   explicit Play(double width) : half_(0.5 * width) {}
-  std::unique_ptr<MemoryKernel> clone() const override { return std::make_unique<Play>(*this); }
   double reset(double u, bool equilibrium) override {
     return y_ = equilibrium ? u : std::clamp(0.0, u - half_, u + half_);
   }

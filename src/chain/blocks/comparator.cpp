@@ -10,7 +10,6 @@ class ComparatorKernel final : public MemoryKernel {
         down_(block.get("threshold_v") - 0.5 * block.get("hysteresis_v")),
         low_(block.get("low_v")),
         high_(block.get("high_v")) {}
-  std::unique_ptr<MemoryKernel> clone() const override { return std::make_unique<ComparatorKernel>(*this); }
   double reset(double u, bool) override {
     is_high_ = u > 0.5 * (up_ + down_);
     return output(is_high_);

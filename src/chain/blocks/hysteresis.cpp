@@ -21,9 +21,6 @@ class OperatorKernel final : public MemoryKernel {
  public:
   OperatorKernel(std::unique_ptr<Operator> op, std::optional<BranchCurves> curves)
       : operator_(std::move(op)), curves_(std::move(curves)) {}
-  std::unique_ptr<MemoryKernel> clone() const override {
-    return std::make_unique<OperatorKernel>(operator_->clone(), curves_);
-  }
   double reset(double u, bool equilibrium) override {
     const double y = operator_->reset(equilibrium ? u : 0.0);
     return equilibrium || u == 0.0 ? y : operator_->step(u, 0.0);

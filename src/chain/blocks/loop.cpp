@@ -29,7 +29,6 @@ class LoopKernel final : public MemoryKernel {
  public:
   LoopKernel(PolynomialDisturbance generator, double gain, int passes, double delay_s)
       : generator_(std::move(generator)), gain_(gain), passes_(passes), delay_s_(delay_s) {}
-  std::unique_ptr<MemoryKernel> clone() const override { return std::make_unique<LoopKernel>(*this); }
   double reset(double r, bool) override {
     r_ = r;
     rising_ = goes_up_ = true;

@@ -10,7 +10,6 @@ namespace {
 class SlewLimiter final : public MemoryKernel {
  public:
   SlewLimiter(double rate, double feedthrough) : rate_(rate), feedthrough_(feedthrough) {}
-  std::unique_ptr<MemoryKernel> clone() const override { return std::make_unique<SlewLimiter>(*this); }
   double reset(double u, bool equilibrium) override {
     u_ = u;
     y_ = equilibrium ? u : 0.0;

@@ -43,7 +43,6 @@ struct ConfigStream {
 
   static constexpr int kEndExecute = 0x80;
   static constexpr int kPullups = 0x40;
-  static constexpr int kResetAll = 0x20;
   static constexpr int kUpdateClocks = 0x01;
 };
 

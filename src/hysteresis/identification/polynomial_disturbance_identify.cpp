@@ -251,7 +251,6 @@ class PolynomialHysteresisType final : public DisturbanceType {
   PolynomialHysteresisType()
       : DisturbanceType(
             "polynomial_hysteresis", "cubic disturbance added to the input, one polynomial a branch",
-            "Modeling and Control of Piezoelectric Hysteresis, eq. 1-8, 11-13",
             disturbance_parameters({
                 list_of(any_number("ascending", "1", "a1, a2, a3 of the ascending branch")),
                 list_of(any_number("descending", "1", "a1, a2, a3 of the descending branch")),
@@ -272,7 +271,6 @@ class SineHysteresisType final : public DisturbanceType {
  public:
   SineHysteresisType()
       : DisturbanceType("sine_hysteresis", "half a sine added to the input, one amplitude a branch",
-                        "Modeling and Control of Piezoelectric Hysteresis, eq. 9, 10",
                         disturbance_parameters({
                             any_number("A_ascending", "1", "amplitude of the ascending branch"),
                             any_number("A_descending", "1", "amplitude of the descending branch"),

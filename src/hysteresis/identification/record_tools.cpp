@@ -54,12 +54,11 @@ Eigen::VectorXd counted_outputs(std::span<const TimeRecord> records, double skip
   return out;
 }
 
-void operator_residual(const Operator& op, std::span<const TimeRecord> records, double skip_s,
+void operator_residual(Operator&& op, std::span<const TimeRecord> records, double skip_s,
                        Eigen::VectorXd& residual) {
   residual.resize(eigen_index(counted_samples(records, skip_s)));
   Eigen::Index at = 0;
-  const std::unique_ptr<Operator> run = op.clone();
-  drive(*run, records, skip_s,
+  drive(op, records, skip_s,
         [&](double y, const TimeRecord& record, std::size_t i) { residual(at++) = y - record.y[i]; });
 }
 

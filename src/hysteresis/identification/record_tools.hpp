@@ -63,7 +63,7 @@ void drive(AnyOperator& op, std::span<const TimeRecord> records, double skip_s, 
 }
 
 /// Model minus record for every counted sample; every record starts at rest under its first input.
-void operator_residual(const Operator& op, std::span<const TimeRecord> records, double skip_s,
+void operator_residual(Operator&& op, std::span<const TimeRecord> records, double skip_s,
                        Eigen::VectorXd& residual);
 
 /// A branch of a record: samples first … last over which the input moves one way only.

@@ -60,19 +60,17 @@ PsoCuckooResult pso_cuckoo(const std::function<double(const Eigen::VectorXd&)>& 
         best_cost[i] = here;
         best[i] = x[i];
       }
-      if (options.cuckoo) {
-        for (Eigen::Index d = 0; d < n; ++d) {
-          const double flight =
-              phi * random.normal() / std::pow(std::abs(random.normal()) + 1e-300, 1.0 / kLambda);
-          // At the best particle itself eq. 11 gives no move; there the flight is scaled by the span.
-          const double reach = best_cost[i] > out.cost ? best[i](d) - out.x(d) : 0.1 * span(d);
-          trial(d) = std::min(std::max(best[i](d) + options.alpha_0 * flight * reach, lower(d)), upper(d));
-        }
-        const double there = judge(trial);
-        if (there < best_cost[i]) {
-          best_cost[i] = there;
-          best[i] = trial;
-        }
+      for (Eigen::Index d = 0; d < n; ++d) {
+        const double flight =
+            phi * random.normal() / std::pow(std::abs(random.normal()) + 1e-300, 1.0 / kLambda);
+        // At the best particle itself eq. 11 gives no move; there the flight is scaled by the span.
+        const double reach = best_cost[i] > out.cost ? best[i](d) - out.x(d) : 0.1 * span(d);
+        trial(d) = std::min(std::max(best[i](d) + options.alpha_0 * flight * reach, lower(d)), upper(d));
+      }
+      const double there = judge(trial);
+      if (there < best_cost[i]) {
+        best_cost[i] = there;
+        best[i] = trial;
       }
       if (best_cost[i] < out.cost) {
         out.cost = best_cost[i];

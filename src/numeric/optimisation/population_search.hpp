@@ -21,7 +21,6 @@ struct PsoCuckooOptions {
   double c1 = 2.0;
   double c2 = 2.0;
   double alpha_0 = 0.01;
-  bool cuckoo = true;
   std::uint64_t seed = 1;
 };
 struct PsoCuckooResult {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "lti/section_making.hpp"
 #include "tracking/model_stage.hpp"
 #include "tracking/track.hpp"
 
@@ -21,7 +22,7 @@ tracking::Plant tracking_plant(const Project& project) {
     stage.push_back(damping);
   }
   if (given.resonance) stage.push_back(tracking::resonance_path(*given.resonance, given.damping_ratio));
-  if (!stage.empty()) plant.stage_path = tracking::in_series(stage);
+  if (!stage.empty()) plant.stage_path = in_series(stage);
   return plant;
 }
 

@@ -63,8 +63,7 @@ TrackedElsewhere followed(const Project& project, const ElsewhereTask& task,
     out.designs.back().built = false;  // what is built is told where it is chosen
   }
   if (task.identified != nullptr) {
-    for (const Hertz f : options.frequencies)
-      out.fit_percent.push_back(task.identified->fit(f).full_stroke_percent);
+    for (const Hertz f : options.frequencies) out.fit_percent.push_back(task.identified->fit_percent(f));
   }
   return out;
 }

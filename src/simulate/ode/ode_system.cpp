@@ -30,7 +30,7 @@ OdeSystem::LoopOutcome OdeSystem::close_loop(const PidController& controller, co
   while (behind > 0 && !parts_[behind - 1]->strictly_proper()) --behind;
   if (behind == 0) return LoopOutcome::algebraic;
   for (std::size_t i = behind; i < parts_.size(); ++i) {
-    if (!parts_[i]->output_follows()) return LoopOutcome::algebraic;
+    if (!parts_[i]->output(0.0, 0.0, state_.data() + parts_[i].state)) return LoopOutcome::algebraic;
   }
   loop_.emplace(Loop{controller, DenseSignal::Reader(reference), reference.corners(), behind - 1,
                      SampledPid(controller)});
@@ -57,7 +57,7 @@ double OdeSystem::fastest_rate() const {
 double OdeSystem::output_of_states(double t, const double* x) const {
   double u = 0.0;
   for (std::size_t i = loop_->proper; i < parts_.size(); ++i)
-    u = parts_[i]->output(t, u, x + parts_[i].state);
+    u = *parts_[i]->output(t, u, x + parts_[i].state);
   return u;
 }
 

@@ -16,7 +16,6 @@ class BranchPart final : public OdePart {
 
   std::size_t events() const override { return 2; }
   bool needs_slopes() const override { return true; }
-  bool output_follows() const override { return false; }
 
   double start(double t, double u, bool still, double* /*x*/) override {
     now_ = t;
@@ -24,9 +23,6 @@ class BranchPart final : public OdePart {
     in_.value = u;
     commit();
     switch_over();
-    return memory_.on_branch(branch_, u);
-  }
-  double output(double /*t*/, double u, const double* /*x*/) const override {
     return memory_.on_branch(branch_, u);
   }
   double newton(double /*gamma*/, double du, const double* /*x*/, double* /*z*/) override {

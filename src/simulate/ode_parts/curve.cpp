@@ -10,7 +10,9 @@ class CurvePart final : public OdePart {
 
   std::size_t events() const override { return corners_.size(); }
   double start(double /*t*/, double u, bool /*still*/, double* /*x*/) override { return curve_.value(u); }
-  double output(double /*t*/, double u, const double* /*x*/) const override { return curve_.value(u); }
+  std::optional<double> output(double /*t*/, double u, const double* /*x*/) const override {
+    return curve_.value(u);
+  }
   double newton(double /*gamma*/, double du, const double* /*x*/, double* /*z*/) override {
     return du * curve_.slope(in_.value);
   }

@@ -66,7 +66,7 @@ class DynamicsPart final : public OdePart {
     if (still) system_.equilibrium(u, x);
     return bodesmith::output(linear_, u, x);
   }
-  double output(double /*t*/, double u, const double* x) const override {
+  std::optional<double> output(double /*t*/, double u, const double* x) const override {
     return bodesmith::output(linear_, u, x);
   }
   double newton(double gamma, double du, const double* x, double* z) override {
@@ -117,7 +117,7 @@ class LinearPart final : public OdePart {
     if (still) equilibrium(system_, u, x);
     return bodesmith::output(system_, u, x);
   }
-  double output(double /*t*/, double u, const double* x) const override {
+  std::optional<double> output(double /*t*/, double u, const double* x) const override {
     return bodesmith::output(system_, u, x);
   }
   double newton(double gamma, double du, const double* /*x*/, double* z) override {

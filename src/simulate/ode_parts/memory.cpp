@@ -16,13 +16,11 @@ class MemoryPart final : public OdePart {
 
   std::size_t events() const override { return corners_.size() + 1; }
   bool needs_slopes() const override { return true; }
-  bool output_follows() const override { return false; }
 
   double start(double /*t*/, double u, bool still, double* /*x*/) override {
     in_.value = u;
     return memory_.reset(u, still);
   }
-  double output(double /*t*/, double u, const double* /*x*/) const override { return memory_.peek(u, 0.0); }
   double newton(double /*gamma*/, double du, const double* /*x*/, double* /*z*/) override {
     return du * slope();
   }
@@ -47,13 +45,12 @@ class MemoryPart final : public OdePart {
     return (memory_.peek(u + step, 0.0) - memory_.peek(u, 0.0)) / step;
   }
 
-  SlopedValue pass(double t, SlopedValue in, const double* x, double* /*dx*/, Walk purpose) override {
+  SlopedValue pass(double /*t*/, SlopedValue in, const double* /*x*/, double* /*dx*/, Walk purpose) override {
     if (purpose == Walk::restart) {
       memory_.step(in.value, 0.0);  // what stands in front may have jumped
       if (std::abs(in.slope) > direction_.rest()) direction_.rising = in.slope > 0.0;
     }
-    const double y = output(t, in.value, x);
-    return {y, in.slope != 0.0 ? in.slope * slope() : in.slope};
+    return {memory_.peek(in.value, 0.0), in.slope != 0.0 ? in.slope * slope() : in.slope};
   }
 
   chain::MemoryKernel& memory_;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "chain/kernel.hpp"
@@ -36,8 +37,6 @@ class OdePart {
   virtual double fastest_rate() const { return 0.0; }
   /// No path from its input to its output but through states.
   virtual bool strictly_proper() const { return false; }
-  /// Whether the output follows from the input's value and the states alone: not of memories.
-  virtual bool output_follows() const { return true; }
 
   /// The output at the first instant for the input u, `still`: at rest under it (states then set so).
   virtual double start(double t, double u, bool still, double* x) = 0;
@@ -46,8 +45,10 @@ class OdePart {
     in_ = in;
     return pass(t, in, x, dx, purpose);
   }
-  /// The output from value and states (where output_follows()).
-  virtual double output(double t, double u, const double* x) const = 0;
+  /// The output where it follows from the input's value and the states alone: not of memories.
+  virtual std::optional<double> output(double /*t*/, double /*u*/, const double* /*x*/) const {
+    return std::nullopt;
+  }
   /// This part's share of (I - gamma df/dx) z = b, after a walk there: z comes in as b, `du` is what the
   /// states in front change of its input; returns what they and its own change of its output.
   virtual double newton(double gamma, double du, const double* x, double* z) = 0;

@@ -16,16 +16,12 @@ class SlewPart final : public OdePart {
   std::size_t order() const override { return 1; }
   std::size_t events() const override { return corners_.size() + 1; }
   bool needs_slopes() const override { return true; }
-  bool output_follows() const override { return false; }
 
   double start(double /*t*/, double u, bool still, double* x) override {
     in_.value = u;
     x[0] = memory_.reset(u, still);
     if (x[0] != u) mode_ = towards(u - x[0]);
     return x[0];
-  }
-  double output(double /*t*/, double u, const double* x) const override {
-    return mode_ == Mode::following ? u : x[0];
   }
   double newton(double /*gamma*/, double du, const double* /*x*/, double* z) override {
     // Following, the state only shadows the input: Newton may take its rate as given.

@@ -9,7 +9,9 @@ class SourcePart final : public OdePart {
   explicit SourcePart(const chain::SourceKernel& source) : source_(source) {}
 
   double start(double t, double u, bool /*still*/, double* /*x*/) override { return u + source_.value(t); }
-  double output(double t, double u, const double* /*x*/) const override { return u + source_.value(t); }
+  std::optional<double> output(double t, double u, const double* /*x*/) const override {
+    return u + source_.value(t);
+  }
   double newton(double /*gamma*/, double du, const double* /*x*/, double* /*z*/) override { return du; }
 
  private:

@@ -72,7 +72,6 @@ struct RecordSimulator::Implementation {
   double step_s = 0.0;
   RecordOptions options;
   Start start = Start::zero;
-  std::vector<chain::Parameter*> free;
   std::vector<KernelSlot> slots;
   std::vector<RecordStage> stages;
   std::vector<double> initial;
@@ -496,7 +495,6 @@ RecordSimulator::RecordSimulator(Chain chain, double step_s, RecordOptions optio
   implementation_->step_s = step_s;
   implementation_->options = options;
   implementation_->start = start_of(implementation_->chain, options.start);
-  implementation_->free = implementation_->chain.free_parameters();
   implementation_->refresh(implementation_->chain.blocks.size());
 }
 
@@ -506,12 +504,6 @@ RecordSimulator& RecordSimulator::operator=(RecordSimulator&&) noexcept = defaul
 
 Chain& RecordSimulator::chain() {
   return implementation_->chain;
-}
-const Chain& RecordSimulator::chain() const {
-  return implementation_->chain;
-}
-void RecordSimulator::set_free(std::size_t i, double value) {
-  implementation_->free.at(i)->value = value;
 }
 std::span<double> RecordSimulator::initial_states() {
   return implementation_->initial;

@@ -48,9 +48,6 @@ class RecordSimulator {
 
   /// Change parameter values here between runs; adding blocks or list entries needs a new object.
   chain::Chain& chain();
-  const chain::Chain& chain() const;
-  /// The same for the i-th free parameter (Chain::free_parameters order).
-  void set_free(std::size_t i, double value);
 
   /// States of all linear and smooth nonlinear blocks, chain order: what run() starts from, or with
   /// Start::equilibrium what comes on top of rest (zeros unless set). Sized by the constructor.

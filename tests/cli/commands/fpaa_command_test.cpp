@@ -1,10 +1,14 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <complex>
 
 #include "base/documents/document.hpp"
+#include "base/units.hpp"
 #include "fpaa/plan/plan.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {
@@ -75,6 +79,36 @@ TEST(FpaaCommand, PlanStreamsVerifySend) {
 }
 
 // One spread: what the plan says of its boards, those that `yield` draws, and what `diagnose` takes for a good one.
+// A board whose gain is 2 % too large everywhere gets other capacitors; where nothing is off, none.
+TEST(FpaaCommand, TrimTakesAMeasuredErrorAway) {
+  const TemporaryFolder folder;
+  write_file(folder / "s.json", kFpaaSections);
+  const std::string dir = folder.path().string();
+  ASSERT_EQ(run_bodesmith("fpaa " + dir + "/s.json -o " + dir + "/plan --clock-hz 2000").status, 0);
+  Provenance from;
+  const fpaa::SwitchedBoard board(fpaa::Plan::read(folder / "plan/plan.json", from));
+  std::string csv = "frequency_hz,gain,phase_deg\n";
+  for (const double hz : {1.0, 3.0, 8.0, 15.0, 25.0}) {
+    const std::complex<double> h = 1.02 * board.gain(Hertz{hz}.rad_s());
+    csv += fmt::format("{},{},{}\n", hz, std::abs(h), to_degrees(std::arg(h)));
+  }
+  write_file(folder / "measured.csv", csv);
+  const std::string trim = "fpaa trim " + dir + "/plan/plan.json --measured " + dir +
+                           "/measured.csv --measurement-percent 0.01 --samples 20 --json -o " + dir;
+  auto result = run_bodesmith(trim + "/trimmed");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Node json = parse_json(result.out, "out");
+  EXPECT_NEAR(json.at("before").at("median_percent").number(), 2.0, 0.2);
+  EXPECT_LT(json.at("after").at("median_percent").number(), 0.7);
+  const fpaa::SwitchedBoard after(fpaa::Plan::read(folder / "trimmed/plan.json", from));
+  const RadPerSecond w = Hertz{8.0}.rad_s();
+  EXPECT_NEAR(std::abs(after.gain(w) / board.gain(w)), 1.0 / 1.02, 0.01);
+  EXPECT_TRUE(std::filesystem::exists(folder / "trimmed/build_sheet.md"));
+  EXPECT_EQ(run_bodesmith("fpaa trim " + dir + "/plan/plan.json -o " + dir + "/none").status, 2);
+  write_file(folder / "measured.csv", "frequency_hz,gain,phase_deg\n");
+  EXPECT_EQ(run_bodesmith(trim + "/none").status, 2);
+}
+
 TEST(FpaaCommand, APlanStatesTheSpreadOfItsCapacitors) {
   const TemporaryFolder folder;
   const std::string dir = folder.path().string();

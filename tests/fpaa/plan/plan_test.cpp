@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/plan/plan_graph.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -42,6 +45,66 @@ TEST(Plan, ItsPinsAndTheShortestWayBetweenThem) {
                                                           "chip2.in1", "chip2.D", "chip2.out1"}));
   plan.wires.pop_back();
   EXPECT_TRUE(plan.signal_path().empty());
+}
+
+/// Two CAMs A and B of one input and a sum S of two, all of one period's delay or none.
+Plan wired(std::vector<Wire> wires, double delay_cycles = 0.0) {
+  Plan plan;
+  plan.board = "an231k04-quad4";
+  ChipPlan& chip = plan.chips.emplace_back();
+  chip.chip = 1;
+  for (const char* name : {"A", "B", "S"}) {
+    PlacedCam& cam = chip.cams.emplace_back();
+    cam.name = name;
+    const bool sum = *name == 'S';
+    cam.cam = cam_registry().find(sum ? "SumInv" : "GainInv");
+    if (sum) cam.option = "2 inputs";
+    cam.clock_a = {1e6};
+    cam.delay_cycles = delay_cycles;
+    cam.z = {{{-1.0}}, {1.0}};
+    if (sum) cam.z.numerators.push_back({-1.0});
+  }
+  plan.wires = std::move(wires);
+  return plan;
+}
+
+TEST(PlanGraph, WiresThatMakeNoPlanAreSaid) {
+  const std::vector<Wire> good = {{"chip1.in1", "chip1.A"},
+                                  {"chip1.A", "chip1.B"},
+                                  {"chip1.A", "chip1.S", 1},
+                                  {"chip1.B", "chip1.S", 2},
+                                  {"chip1.S", "chip1.out1"}};
+  const auto said = [&](std::vector<Wire> more, std::size_t without = 99) {
+    std::vector<Wire> wires = good;
+    if (without < wires.size()) wires.erase(wires.begin() + static_cast<std::ptrdiff_t>(without));
+    wires.insert(wires.end(), more.begin(), more.end());
+    const auto graph = plan_graph(wired(wires));
+    const Refusal* refusal = refusal_of(graph);
+    return refusal == nullptr ? std::string("made") : refusal->reason;
+  };
+  EXPECT_EQ(said({}), "made");
+  EXPECT_NE(said({{"chip1.X", "chip1.B", 2}}).find("a wire ends at 'chip1.X'"), std::string::npos);
+  EXPECT_NE(said({{"chip1.A", "chip1.out1"}}).find("two wires lead to chip1.out1"), std::string::npos);
+  EXPECT_NE(said({{"chip1.out2", "chip1.B"}}, 1).find("nothing is wired to chip1.out2"), std::string::npos);
+  EXPECT_NE(said({{"chip1.out2", "chip1.out2"}, {"chip1.out2", "chip1.B"}}, 1).find("wired in a circle"),
+            std::string::npos);
+  EXPECT_NE(said({{"chip1.A", "chip1.B", 2}}).find("a wire leads to input 2 of chip1.B, which has 1"),
+            std::string::npos);
+  EXPECT_NE(said({{"chip1.A", "chip1.B", 0}}).find("a wire leads to input 0 of chip1.B"), std::string::npos);
+  EXPECT_NE(said({{"chip1.A", "chip1.S", 2}}).find("two wires lead to input 2 of chip1.S"),
+            std::string::npos);
+  EXPECT_NE(said({{"chip1.S", "chip1.B"}}, 1).find("a loop without any delay"), std::string::npos);
+  // The same loop with CAMs that read a period late.
+  const PlanGraph looped = value_or_throw(plan_graph(wired({{"chip1.in1", "chip1.A"},
+                                                            {"chip1.A", "chip1.S", 1},
+                                                            {"chip1.B", "chip1.S", 2},
+                                                            {"chip1.S", "chip1.B"},
+                                                            {"chip1.S", "chip1.out1"}},
+                                                           1.0)));
+  EXPECT_TRUE(looped.looped);
+  EXPECT_EQ(looped.nodes[2].delay, 32);
+  EXPECT_EQ(looped.order, (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(looped.output.node, 2u);
 }
 
 TEST(Plan, CamsClocksAndResourcesAreThoseOfAllChips) {

@@ -118,7 +118,7 @@ TEST(RecordEngine, ParametersChangeBetweenRuns) {
   RecordSimulator simulator(chain, 0.01);
   const std::vector<double> u(50, 1.0);
   simulator.run(u);
-  simulator.set_free(0, 7.0);
+  simulator.chain().free_parameters()[0]->value = 7.0;
   EXPECT_NEAR(simulator.run(u)[10], 1.0 - std::exp(-2.0 * kPi * 7.0 * 0.1), 1e-14);
 }
 

@@ -98,7 +98,7 @@ TEST(HysteresisBlocks, ParametersCanBeRefitted) {
   RecordSimulator simulator(Chain{{play}}, 1e-3);
   const TimeRecord in = wave();
   const std::vector<double> before(simulator.run(in.u).begin(), simulator.run(in.u).end());
-  simulator.set_free(0, 0.4);
+  simulator.chain().free_parameters()[0]->value = 0.4;
   const auto after = simulator.run(in.u);
   play.set("w[1]", 0.4);
   RecordSimulator fresh(Chain{{play}}, 1e-3);

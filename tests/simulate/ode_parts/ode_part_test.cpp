@@ -69,13 +69,14 @@ TEST(OdeParts, SayWhatTheyAre) {
   const auto part_of = [](const chain::Kernel& kernel) { return make_ode_part(kernel); };
   const chain::Kernel lag = make_block("lowpass").set("corner_hz", 3.0).kernel();
   EXPECT_TRUE(part_of(lag)->strictly_proper());
-  EXPECT_TRUE(part_of(lag)->output_follows());
+  double state = 0.3;
+  EXPECT_TRUE(part_of(lag)->output(0.0, 1.0, &state).has_value());
   EXPECT_NEAR(part_of(lag)->fastest_rate(), 2.0 * kPi * 3.0, 1e-12);
   const chain::Kernel slew = make_block("slew_limit").set("rate_per_s", 2.0).kernel();
   EXPECT_EQ(part_of(slew)->order(), 1u);
   EXPECT_EQ(part_of(slew)->events(), 1u);
   EXPECT_TRUE(part_of(slew)->needs_slopes());
-  EXPECT_FALSE(part_of(slew)->output_follows());
+  EXPECT_FALSE(part_of(slew)->output(0.0, 1.0, &state).has_value());
   const chain::Kernel delay = make_block("delay").set("delay_s", 0.1).kernel();
   EXPECT_FALSE(can_stand_in_ode(delay));
 }

@@ -173,6 +173,17 @@ TEST(Compensation, LooksAheadByTheDelayOrLagsByIt) {
   EXPECT_NEAR(late.delay_s, 0.003, 1e-15);
 }
 
+// A hold counts as half its period to the search, and is looked ahead of.
+TEST(Compensation, AClockedBlockIsADelayToTheSearch) {
+  Chain chain;
+  chain.blocks = {make_block("sample_hold").set("clock_hz", 500.0), palette()[5]};
+  const TimeRecord reference = smooth_reference();
+  const Compensation found = compensate(chain, reference, {});
+  EXPECT_NEAR(found.delay_s, 0.001, 1e-12);
+  EXPECT_LT(percent(found, reference), 0.5);
+  EXPECT_EQ(found.predicted, judged(chain, reference, found.drive));
+}
+
 TEST(Compensation, ARightHalfPlaneZeroGetsABoundedDrive) {
   // 1 - 2.6/(1 + s/w): a zero in the right half plane.
   Chain chain;

@@ -9,6 +9,7 @@
 #include "fpaa/an231_streams.hpp"
 #include "fpaa/device/circuit.hpp"
 #include "fpaa/streams/board_networks.hpp"
+#include "fpaa/streams/c_source.hpp"
 #include "fpaa/streams/netlist.hpp"
 #include "fpaa/streams/stream_file.hpp"
 
@@ -61,6 +62,27 @@ std::string refusal_text(const Plan& plan, const PinCells& cells = {}) {
   const auto outcome = plan_streams(plan, cells);
   const Refusal* refusal = refusal_of(outcome);
   return refusal == nullptr ? "" : refusal->reason;
+}
+
+TEST(CSource, WordsSymbolsCommentsAndTheirLines) {
+  const auto tokens = c_tokens("int a_1 = 0x1F; // end\n/* two\nlines */ \"x\\\"y\" b[2] = {3", "a.c");
+  std::string all;
+  for (const CToken& token : tokens) all += std::string(token.text) + "@" + std::to_string(token.line) + " ";
+  EXPECT_EQ(all, "int@1 a_1@1 =@1 0x1F@1 ;@1 end@1 two\nlines@2 b@3 [@3 2@3 ]@3 =@3 {@3 3@3 ");
+  EXPECT_EQ(tokens[5].kind, CToken::Kind::comment);
+  EXPECT_EQ(c_integer(tokens[3], 31, "a.c"), 31);
+  EXPECT_THROW(c_integer(tokens[3], 30, "a.c"), InputError);
+  EXPECT_THROW(c_integer(tokens[0], 99, "a.c"), InputError);
+  EXPECT_EQ(c_integer(tokens.back(), 3, "a.c"), 3);
+  std::size_t at = 7;
+  EXPECT_TRUE(opens_array(tokens, at));
+  EXPECT_EQ(tokens[at].text, "3");
+  at = 1;
+  EXPECT_FALSE(opens_array(tokens, at));
+  EXPECT_EQ(at, 1u);
+  for (const char* broken : {"/* no end", "\"no end", "'no\nend'"})
+    EXPECT_THROW(c_tokens(broken, "a.c"), InputError);
+  EXPECT_EQ(c_tokens("// last", "a.c").front().text, "last");
 }
 
 TEST(An231Stream, WorkedExampleIsMadeByteForByte) {

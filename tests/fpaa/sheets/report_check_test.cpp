@@ -82,6 +82,9 @@ TEST(ReportCheck, EveryKindOfMistakeIsListed) {
     EXPECT_THAT(list[0], HasSubstr(what));
   };
   expect_one(with(good, "Pole and Zero", "Low Pass"), "Section1a: Filter Type is Low Pass");
+  EXPECT_THAT(differences(with(good, "Pole and Zero", "Pole&nbsp; and Zero")), ::testing::IsEmpty());
+  expect_one(with(good, "Pole and Zero", "&lt;A&amp;B&gt; &other;"),
+             "Section1a: Filter Type is <A&B> &other;");
   expect_one(with(good, "Phase 1", "Phase 2"), "Output Phase is Phase 2");
   expect_one(with(good, "2 kHz (Chip Clock 0)", "2 kHz (Chip Clock 3)"), "ClockA");
   expect_one(with(good, "2 kHz (Chip Clock 0)", "20 kHz (Chip Clock 0)"), "Section1a: ClockA");

@@ -13,6 +13,20 @@ namespace {
 
 using ::testing::HasSubstr;
 
+// Without a primary stream in the file nothing tells where a chip's name ends but the next underscore.
+TEST(ApiCode, NamesWithoutAPrimaryStreamEndAtTheUnderscore) {
+  const auto code = [](const std::string& name) {
+    return "const an_Byte an_apiAddress1[1] = { 0x01 };\nextern const an_apiCapacitor " + name +
+           "_Capacitor[1] = {\n /* Cin */ { 5, 7, },\n};\n";
+  };
+  const ApiProject project = parse_api_code(code("an_FPAA1_Gain_Inv1"), "A.c");
+  EXPECT_EQ(project.prefix, "an");
+  ASSERT_NE(project.find("FPAA1", "Gain_Inv1"), nullptr);
+  EXPECT_EQ(project.find("FPAA1", "Gain_Inv1")->capacitors[0].bank, 5);
+  EXPECT_EQ(project.find("FPAA1", "GainInv1"), nullptr);
+  EXPECT_THROW(parse_api_code(code("an_Gain"), "A.c"), InputError);
+}
+
 TEST(ApiCode, ReadsTablesAddressesAndStreams) {
   const ApiProject project = parse_api_code(project_source(seed_plan()), "ApiCode.c");
   EXPECT_EQ(project.prefix, "an");

@@ -15,6 +15,7 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "temporary_folder.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -161,7 +162,7 @@ TEST(JsonText, RefusesNumbersThatAreNotFinite) {
   Json deep = {{"a", {{"b", {1.5, "x, \"y\"", nullptr}}, {"c", Json::array()}}}, {"d", Json::object()}};
   for (int i = 0; i < 40; ++i)
     deep["e"].push_back({{"number", 0.125 * i}, {"list", {i, i + 1, {{"f", true}}}}}), deep["g"].push_back(i);
-  EXPECT_EQ(Json::parse(to_text(deep)), deep);
+  EXPECT_EQ(parsed(to_text(deep)), deep);
 }
 
 TEST(TextTemplate, EmbedsTheBytesOfTheFile) {

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <cmath>
+
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith {
 namespace {
@@ -61,7 +63,7 @@ TEST(PreviewTracking, IsTheLeastSquaresSolution) {
     rows(3 * n + i, i) = -rate;
     wanted(3 * n + i) = rate * targets.w[at];
   }
-  const Eigen::VectorXd best = rows.colPivHouseholderQr().solve(wanted);
+  const Eigen::VectorXd best = least_norm_columns(rows, wanted);
   for (Eigen::Index i = 0; i < n; ++i) EXPECT_NEAR(u[static_cast<std::size_t>(i)], best(i), 1e-10) << i;
 }
 

@@ -3,16 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <regex>
+#include "texts.hpp"
 
 namespace bodesmith::report {
 namespace {
 
 std::vector<double> bar_widths(const std::string& svg) {
   std::vector<double> out;
-  const std::regex bar("<rect x=\"[0-9]+\" y=\"[0-9]+\" width=\"([0-9.]+)\" height=\"11\"");
-  for (auto at = std::sregex_iterator(svg.begin(), svg.end(), bar); at != std::sregex_iterator(); ++at)
-    out.push_back(std::stod((*at)[1]));
+  for (const auto& bar : matches(svg, "<rect x=\"[0-9]+\" y=\"[0-9]+\" width=\"([0-9.]+)\" height=\"11\""))
+    out.push_back(std::stod(bar[1]));
   return out;
 }
 

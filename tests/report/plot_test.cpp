@@ -5,23 +5,33 @@
 
 #include <algorithm>
 #include <cmath>
-#include <regex>
 #include <vector>
+
+#include "texts.hpp"
 
 namespace bodesmith::report {
 namespace {
+
+const char* const kSize = "width=\"(\\d+)\" height=\"(\\d+)\"";
+
+/// Numbers in the groups of every match.
+std::vector<std::vector<double>> all_of(const std::string& svg, const char* pattern) {
+  std::vector<std::vector<double>> out;
+  for (const auto& match : matches(svg, pattern)) {
+    out.emplace_back();
+    for (std::size_t i = 1; i < match.size(); ++i) out.back().push_back(std::stod(match[i]));
+  }
+  return out;
+}
 
 TEST(Plot, MapsDataLogarithmically) {
   Plot plot;
   plot.x.logarithmic = true;
   plot.series.push_back({"a", {1.0, 10.0, 100.0}, {0.0, 1.0, 0.0}});
   const std::string svg = to_svg(plot);
-  std::smatch found;
-  ASSERT_TRUE(
-      std::regex_search(svg, found, std::regex("d=\"M([0-9.]+) [0-9.]+L([0-9.]+) [0-9.]+L([0-9.]+) ")));
-  const double a = std::stod(found[1]);
-  const double b = std::stod(found[2]);
-  const double c = std::stod(found[3]);
+  const auto found = all_of(svg, "d=\"M([0-9.]+) [0-9.]+L([0-9.]+) [0-9.]+L([0-9.]+) ");
+  ASSERT_FALSE(found.empty());
+  const double a = found[0][0], b = found[0][1], c = found[0][2];
   EXPECT_NEAR(b - a, c - b, 0.02) << "decades are not equally wide";
 }
 
@@ -41,21 +51,21 @@ TEST(Plot, EveryNameInTheLegendStandsInThePictureAndUnderThePlot) {
   for (int i = 0; i < 12; ++i)
     plot.series.push_back({fmt::format("a name as long as this one, {}", i), {0.0, 1.0}, {0.0, 1.0}});
   const std::string svg = to_svg(plot);
-  std::smatch size;
-  ASSERT_TRUE(std::regex_search(svg, size, std::regex("width=\"(\\d+)\" height=\"(\\d+)\"")));
-  const std::regex name("<text x=\"([0-9.]+)\" y=\"([0-9.]+)\"[^>]*>a name as long");
-  int names = 0, rows = 0;
+  const auto size = all_of(svg, kSize);
+  ASSERT_FALSE(size.empty());
+  const auto names = all_of(svg, "<text x=\"([0-9.]+)\" y=\"([0-9.]+)\"[^>]*>a name as long");
+  int rows = 0;
   double last = 0.0;
-  for (std::sregex_iterator at(svg.begin(), svg.end(), name), end; at != end; ++at, ++names) {
-    EXPECT_LT(std::stod((*at)[1]), std::stod(size[1]) - 6.0 * 29.0);
-    const double y = std::stod((*at)[2]);
+  for (const auto& name : names) {
+    EXPECT_LT(name[0], size[0][0] - 6.0 * 29.0);
+    const double y = name[1];
     EXPECT_GT(y, plot.height);
-    EXPECT_LT(y, std::stod(size[2]));
+    EXPECT_LT(y, size[0][1]);
     rows += y > last;
     EXPECT_GE(y, last);
     last = y;
   }
-  EXPECT_EQ(names, 12);
+  EXPECT_EQ(names.size(), 12u);
   EXPECT_GT(rows, 2);
 }
 
@@ -66,28 +76,16 @@ TEST(Plot, WhatIsWrittenStandsInThePicture) {
   plot.y = {"gain in dB"};
   plot.series.push_back({"a", {1.0, 10.0, 100.0}, {-40.0, 3.0, 20.0}});
   const std::string svg = to_svg(plot);
-  std::smatch size;
-  ASSERT_TRUE(std::regex_search(svg, size, std::regex("width=\"(\\d+)\" height=\"(\\d+)\"")));
-  const std::regex text("<text x=\"([-0-9.]+)\" y=\"([-0-9.]+)\"");
-  int count = 0;
-  for (std::sregex_iterator at(svg.begin(), svg.end(), text), end; at != end; ++at, ++count) {
-    for (const std::size_t axis : {1u, 2u}) {
-      EXPECT_GE(std::stod((*at)[axis]), 0.0) << at->str();
-      EXPECT_LE(std::stod((*at)[axis]), std::stod(size[axis])) << at->str();
+  const auto size = all_of(svg, kSize);
+  ASSERT_FALSE(size.empty());
+  const auto texts = all_of(svg, "<text x=\"([-0-9.]+)\" y=\"([-0-9.]+)\"");
+  for (const auto& text : texts) {
+    for (const std::size_t axis : {0u, 1u}) {
+      EXPECT_GE(text[axis], 0.0);
+      EXPECT_LE(text[axis], size[0][axis]);
     }
   }
-  EXPECT_GT(count, 8);
-}
-
-/// Numbers in the groups of every match.
-std::vector<std::vector<double>> all_of(const std::string& svg, const char* pattern) {
-  std::vector<std::vector<double>> out;
-  const std::regex expression(pattern);
-  for (std::sregex_iterator at(svg.begin(), svg.end(), expression), end; at != end; ++at) {
-    out.emplace_back();
-    for (std::size_t i = 1; i < at->size(); ++i) out.back().push_back(std::stod((*at)[i]));
-  }
-  return out;
+  EXPECT_GT(texts.size(), 8u);
 }
 
 /// Border, clip, grid, ticks, curves and marks: all by the two scales of the axes, which are given.

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -28,6 +28,25 @@ std::vector<double> noise(std::size_t n, double correlation_samples, double whit
   return out;
 }
 
+/// L of A = L L', column by column.
+Eigen::MatrixXd cholesky(const Eigen::MatrixXd& a) {
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(a.rows(), a.rows());
+  for (Eigen::Index j = 0; j < a.rows(); ++j) {
+    root(j, j) = std::sqrt(a(j, j) - root.row(j).head(j).squaredNorm());
+    for (Eigen::Index i = j + 1; i < a.rows(); ++i)
+      root(i, j) = (a(i, j) - root.row(i).head(j).dot(root.row(j).head(j))) / root(j, j);
+  }
+  return root;
+}
+
+/// x of L x = y.
+Eigen::VectorXd forward_substituted(const Eigen::MatrixXd& root, const std::vector<double>& y) {
+  Eigen::VectorXd x(root.rows());
+  for (Eigen::Index i = 0; i < root.rows(); ++i)
+    x(i) = (y[static_cast<std::size_t>(i)] - root.row(i).head(i).dot(x.head(i))) / root(i, i);
+  return x;
+}
+
 /// By the covariance matrix of all samples, the most likely size.
 double dense_log_likelihood(const std::vector<double>& y, const RedNoise& by) {
   const auto n = static_cast<Eigen::Index>(y.size());
@@ -39,10 +58,9 @@ double dense_log_likelihood(const std::vector<double>& y, const RedNoise& by) {
                          (i == j ? by.white_share : 0.0);
     }
   }
-  const Eigen::VectorXd v = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
-  const Eigen::LLT<Eigen::MatrixXd> root(covariance);
-  const double size = v.dot(root.solve(v)) / static_cast<double>(n);
-  const double determinant = 2.0 * root.matrixL().toDenseMatrix().diagonal().array().log().sum();
+  const Eigen::MatrixXd root = cholesky(covariance);
+  const double size = forward_substituted(root, y).squaredNorm() / static_cast<double>(n);
+  const double determinant = 2.0 * root.diagonal().array().log().sum();
   return -0.5 * (static_cast<double>(n) * (std::log(2.0 * std::numbers::pi * size) + 1.0) + determinant);
 }
 
@@ -77,8 +95,7 @@ TEST(RedNoise, IsWhitenedByTheRootOfItsCovariance) {
       covariance(i, j) = red * std::pow(rho, static_cast<double>(std::abs(i - j))) +
                          (i == j ? red * by.white_share / (1.0 - by.white_share) : 0.0);
   }
-  Eigen::VectorXd wanted = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
-  Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solveInPlace(wanted);
+  const Eigen::VectorXd wanted = forward_substituted(cholesky(covariance), y);
   whiten(y, by);
   for (Eigen::Index i = 0; i < n; ++i) EXPECT_NEAR(y[static_cast<std::size_t>(i)], wanted(i), 1e-9);
 }

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <regex>
 
 #include "base/documents/json.hpp"
 #include "base/files.hpp"
 #include "run_program.hpp"
 #include "signal/csv.hpp"
 #include "temporary_folder.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -46,17 +46,17 @@ class BodeCommand : public testing::Test {
     const ProgramResult run = run_shell("cd " + folder_.path().string() + " && " BODESMITH_PROGRAM " bode " +
                                         arguments + " --json -o out.csv");
     EXPECT_EQ(run.status, 0) << run.err;
-    return Json::parse(run.out);
+    return parsed(run.out);
   }
   std::string said(const std::string& arguments) const {
     const ProgramResult run =
         run_shell("cd " + folder_.path().string() + " && " BODESMITH_PROGRAM " bode " + arguments);
     EXPECT_EQ(run.status, 0) << run.err;
-    return std::regex_replace(run.out + run.err, std::regex("\\s+"), " ");
+    return replaced(run.out + run.err, "\\s+", " ");
   }
   /// Empty cells are kEmpty.
   Csv table(const std::string& name = "out.csv") const {
-    return Csv::parse(std::regex_replace(read_file(folder_ / name), std::regex(",(?=,|\n)"), ",1e300"), name);
+    return Csv::parse(replaced(read_file(folder_ / name), ",(?=,|\n)", ",1e300"), name);
   }
 
  private:

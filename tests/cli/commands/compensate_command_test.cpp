@@ -8,6 +8,7 @@
 #include "run_program.hpp"
 #include "signal/csv.hpp"
 #include "signal/statistics.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -133,7 +134,7 @@ delay_s = 0.0123
         run_bodesmith("compensate " + (folder / "m.toml").string() + " --reference " +
                       (folder / "r.csv").string() + " --json --upper 1.5 --start " + start + " -o " + drive);
     ASSERT_EQ(found.status, 0) << found.err;
-    const Json json = Json::parse(found.out);
+    const Json json = parsed(found.out);
     ASSERT_EQ(run_bodesmith("simulate " + (folder / "m.toml").string() + " --input " + drive + " --start " +
                             start + " -o " + (folder / "y.csv").string())
                   .status,
@@ -187,7 +188,7 @@ holdout_rms = 0.04
       fastest = std::max(fastest, std::abs(made.column("u")[i] - made.column("u")[i - 1]) /
                                       (made.column("time_s")[i] - made.column("time_s")[i - 1]));
   }
-  const Json json = Json::parse(run.out);
+  const Json json = parsed(run.out);
   EXPECT_NEAR(json["drive"]["upper"].get<double>(), 9.5, 1e-3);
   EXPECT_NEAR(json["drive"]["max_rate_per_s"].get<double>(), fastest, 1e-6 * fastest);
   // Of an exact inverse what is left is what the model missed on held-out records, of 18 from end to end.
@@ -195,7 +196,7 @@ holdout_rms = 0.04
   EXPECT_NEAR(json["expected_error"]["rms_percent_of_range"].get<double>(), 4.0 / 18.0, 1e-4);
   // The last of three periods counts, or all from --skip-s on.
   EXPECT_NEAR(json["predicted_error"]["from_s"].get<double>(), 1.0, 2e-3);
-  EXPECT_NEAR(Json::parse(ask("--skip-s 0.4").out)["predicted_error"]["from_s"].get<double>(), 0.4, 2e-3);
+  EXPECT_NEAR(parsed(ask("--skip-s 0.4").out)["predicted_error"]["from_s"].get<double>(), 0.4, 2e-3);
   EXPECT_EQ(ask("--amplitude 1 --offset 5").err.find("nine tenths"), std::string::npos);
   // A file that is not there is no kind of reference.
   const ProgramResult missing =
@@ -214,7 +215,7 @@ TEST(Compensate, APiezoModelSaysWhatItWasTrainedOnAndWhatToExpect) {
                                              " --model prandtl_ishlinskii --holdout " +
                                              (data / "picma_holdout.csv").string() + " --json -o " + model);
   ASSERT_EQ(fitted.status, 0) << fitted.err;
-  const double missed = Json::parse(fitted.out)["holdout"]["rms"].get<double>();
+  const double missed = parsed(fitted.out)["holdout"]["rms"].get<double>();
   Provenance from;
   const Csv held_out = Csv::read(data / "picma_holdout.csv", from);
   CsvWriter reference;
@@ -227,7 +228,7 @@ TEST(Compensate, APiezoModelSaysWhatItWasTrainedOnAndWhatToExpect) {
   };
   const ProgramResult found = ask("");
   ASSERT_EQ(found.status, 0) << found.err;
-  const Json json = Json::parse(found.out);
+  const Json json = parsed(found.out);
   // The inverse's own error is nothing beside the model's, and what to expect is about that.
   EXPECT_LT(json["predicted_error"]["rms"].get<double>(), 1e-3 * missed);
   EXPECT_NEAR(json["expected_error"]["rms"].get<double>(), missed, 1e-3 * missed);
@@ -237,7 +238,7 @@ TEST(Compensate, APiezoModelSaysWhatItWasTrainedOnAndWhatToExpect) {
   const ProgramResult far = ask("--upper 3.6 --lower 0");
   ASSERT_EQ(far.status, 0) << far.err;
   EXPECT_NE(far.err.find("the reference goes up to"), std::string::npos) << far.err;
-  EXPECT_GT(Json::parse(far.out)["out_of_reach"].get<int>(), 0);
+  EXPECT_GT(parsed(far.out)["out_of_reach"].get<int>(), 0);
   const Csv drive = Csv::read(folder / "drive.csv", from);
   for (const double u : drive.column("u")) EXPECT_LE(u, 3.6);
 }

@@ -11,6 +11,7 @@
 #include "run_program.hpp"
 #include "signal/csv.hpp"
 #include "temporary_folder.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -39,7 +40,7 @@ TEST(BodeLoops, MarginsOfASeriesAreTheClosedForms) {
   EXPECT_THAT(nyquist, HasSubstr(">series<"));
   EXPECT_THAT(nyquist, testing::Not(HasSubstr(">a<")));
   EXPECT_THAT(read_file(folder / "bode.svg"), HasSubstr("Group delay"));
-  const Json summary = Json::parse(run.out);
+  const Json summary = parsed(run.out);
   const Json& series = summary["responses"].back();
   EXPECT_EQ(series["name"], "series");
   const Json& margins = series["margins"];

@@ -7,6 +7,7 @@
 #include "hysteresis/model_type.hpp"
 #include "run_program.hpp"
 #include "signal/csv.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -39,7 +40,7 @@ TEST(Identify, WritesAModelThatSimulatesAndCompensates) {
       run_bodesmith("identify " + (folder / "train.csv").string() + " --model prandtl_ishlinskii --holdout " +
                     (folder / "test.csv").string() + " --json -o " + model);
   ASSERT_EQ(result.status, 0) << result.err;
-  const Json summary = Json::parse(result.out);
+  const Json summary = parsed(result.out);
   EXPECT_EQ(summary["schema"], "bodesmith.identification/1");
   EXPECT_LT(summary["training"]["rms_percent_of_range"], 1e-3);
   EXPECT_LT(summary["holdout"]["rms_percent_of_range"], 1e-2);
@@ -73,7 +74,7 @@ TEST(Identify, WritesAModelThatSimulatesAndCompensates) {
       run_bodesmith("compensate " + model + " --reference " + (folder / "r.csv").string() + " --json -o " +
                     (folder / "drive.csv").string());
   ASSERT_EQ(drive.status, 0) << drive.err;
-  EXPECT_LT(Json::parse(drive.out)["predicted_error"]["rms_percent_of_range"], 1e-9);
+  EXPECT_LT(parsed(drive.out)["predicted_error"]["rms_percent_of_range"], 1e-9);
   const Csv written = Csv::parse(read_file(folder / "drive.csv"), "drive");
   EXPECT_EQ(written.names(), (std::vector<std::string>{"time_s", "r", "u"}));
   EXPECT_EQ(written.column("r")[10], r[10]);
@@ -119,7 +120,7 @@ TEST(Identify, BothMethodsInOneTable) {
                     " --model krasnoselskii_pokrovskii --size 12 --effort 0.2 --method both --json -o " +
                     (folder / "m.toml").string());
   ASSERT_EQ(result.status, 0) << result.err;
-  const Json summary = Json::parse(result.out);
+  const Json summary = parsed(result.out);
   ASSERT_EQ(summary["models"].size(), 2u);
   EXPECT_EQ(summary["models"][0]["model"], "krasnoselskii_pokrovskii (paper)");
   EXPECT_GT(summary["models"][0]["training"]["rms"], summary["models"][1]["training"]["rms"]);
@@ -135,7 +136,7 @@ TEST(Identify, RealPiezoRecordLadder) {
                                                "picma_holdout.csv --skip-s 1 --model " + model +
                                                " --json -o " + (folder / "m.toml").string());
     EXPECT_EQ(result.status, 0) << result.err;
-    return Json::parse(result.out)["holdout"];
+    return parsed(result.out)["holdout"];
   };
   const Json linear = holdout("linear");
   const Json bank = holdout("prandtl_ishlinskii");

@@ -10,6 +10,7 @@
 #include "cli/main_example.hpp"
 #include "run_program.hpp"
 #include "signal/csv.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -47,7 +48,7 @@ TEST(ModelCommand, ADisturbanceIsAStageThatSimulates) {
   const ProgramResult made =
       run_bodesmith("model " + kExample + "disturbance.json --operating-hz 100 --json -o " + stage);
   ASSERT_EQ(made.status, 0) << made.err;
-  EXPECT_EQ(Json::parse(made.out)["blocks"][0]["name"], "stage");
+  EXPECT_EQ(parsed(made.out)["blocks"][0]["name"], "stage");
   const std::string y = (folder / "y.csv").string();
   ASSERT_EQ(
       run_bodesmith("simulate " + stage + " --input " + (folder / "u.csv").string() + " -o " + y).status, 0);
@@ -63,7 +64,7 @@ TEST(MainExample, WritesItsChainAndItTracks) {
   const std::string copy = (folder / "model.toml").string();
   const ProgramResult made = run_bodesmith("model " + out + " --json -o " + copy);
   ASSERT_EQ(made.status, 0) << made.err;
-  EXPECT_EQ(Json::parse(made.out)["blocks"][0]["name"], "controller");
+  EXPECT_EQ(parsed(made.out)["blocks"][0]["name"], "controller");
   write_triangle(folder / "u.csv", 1.0);
   const std::string y = (folder / "y.csv").string();
   const auto simulate = [&](const std::string& model) {
@@ -126,7 +127,7 @@ TEST(IdentifyDisturbance, WritesWhatFitLayoutControllerAndNewTake) {
   const ProgramResult found =
       run_bodesmith("identify" + records + " --disturbance " + d + " --gains " + g + " --json");
   ASSERT_EQ(found.status, 0) << found.err;
-  const Json summary = Json::parse(found.out);
+  const Json summary = parsed(found.out);
   EXPECT_NEAR(summary["identified"]["output"]["stroke"].get<double>(), 7e-6, 1e-9);
   const Csv gains = Csv::parse(read_file(g), "g.csv");
   ASSERT_EQ(gains.rows(), 3u);
@@ -157,7 +158,7 @@ TEST(IdentifyDisturbance, WritesWhatFitLayoutControllerAndNewTake) {
 
 TEST(Controller, MakesAmplitudeGainsUnlessOnlyFullStrokesMatter) {
   const TemporaryFolder folder;
-  Json d = Json::parse(read_file(kExample + "disturbance.json"));
+  Json d = parsed(read_file(kExample + "disturbance.json"));
   d["amplitude"] = {
       {"alpha", {0.25, 0.5, 1.0}}, {"ascending", {0.18, 0.4, 1.0}}, {"descending", {0.18, 0.4, 1.0}}};
   write_file(folder / "d.json", d.dump());
@@ -166,7 +167,7 @@ TEST(Controller, MakesAmplitudeGainsUnlessOnlyFullStrokesMatter) {
   for (const std::string stroke : {"0.5", "0.25"}) {
     const ProgramResult made = run_bodesmith(command + " --json --amplitude " + stroke);
     ASSERT_EQ(made.status, 0) << made.err;
-    const Json told = Json::parse(made.out);
+    const Json told = parsed(made.out);
     for (const Json& one : told.at("predicted"))
       EXPECT_LT(one.at("rms_percent_without_lag").get<double>() * std::stod(stroke), 0.15) << stroke;
   }
@@ -177,7 +178,7 @@ TEST(Controller, MakesAmplitudeGainsUnlessOnlyFullStrokesMatter) {
 
 TEST(ModelCommand, ALoadTakesTheStrokeFromTheAmplitudeGains) {
   const TemporaryFolder folder;
-  Json d = Json::parse(read_file(kExample + "disturbance.json"));
+  Json d = parsed(read_file(kExample + "disturbance.json"));
   d["amplitude"] = {
       {"alpha", {0.4, 0.8, 1.0}}, {"ascending", {0.3, 0.7, 1.0}}, {"descending", {0.3, 0.6, 1.0}}};
   write_file(folder / "d.json", d.dump());
@@ -210,11 +211,11 @@ TEST(ModelCommand, ABoardIsItsCamsByName) {
   ASSERT_LE(run_bodesmith("fpaa " + at + "/s.json -o " + at + "/board").status, 1);
   const ProgramResult made = run_bodesmith("model " + at + "/board/plan.json --json -o " + at + "/m.toml");
   ASSERT_EQ(made.status, 0) << made.err;
-  const Json plan = Json::parse(read_file(folder / "board/plan.json"));
+  const Json plan = parsed(read_file(folder / "board/plan.json"));
   std::set<std::string> cams, blocks;
   for (const Json& chip : plan.at("chips"))
     for (const Json& cam : chip.at("cams")) cams.insert(cam.at("name").get<std::string>());
-  const Json told = Json::parse(made.out);
+  const Json told = parsed(made.out);
   for (const Json& block : told.at("blocks")) blocks.insert(block.at("name").get<std::string>());
   for (const std::string& cam : cams)
     EXPECT_TRUE(std::any_of(blocks.begin(), blocks.end(), [&](const std::string& b) {
@@ -271,7 +272,7 @@ descending = [0.2398, -0.0838, -0.156]
         "compensate " + (folder / "model.toml").string() + " --reference " + reference +
         " --frequency-hz 1 --amplitude 0.3 --offset 0.5 --json -o " + (folder / "drive.csv").string());
     ASSERT_EQ(result.status, 0) << result.err;
-    const Json summary = Json::parse(result.out);
+    const Json summary = parsed(result.out);
     EXPECT_LT(summary["predicted_error"]["rms_percent_of_range"], 0.5) << reference;
     EXPECT_GT(summary["drive"]["lower"], -0.1);
     EXPECT_LT(summary["drive"]["upper"], 1.1);

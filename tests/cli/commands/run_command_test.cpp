@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
-#include <regex>
 
 #include "base/documents/document.hpp"
 #include "base/text.hpp"
@@ -17,6 +16,7 @@
 #include "lti/sections.hpp"
 #include "run_program.hpp"
 #include "signal/csv.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -29,12 +29,11 @@ const std::string kProject = std::string(BODESMITH_SOURCE_DIR) + "/examples/nano
 /// The paper's design at two frequencies and a given clock, which spares every alternative its search (tests/project has the clocks that are found).
 void write_with_clock(const fs::path& folder, const std::string& fpaa_percent) {
   fs::copy(fs::path(kProject).parent_path(), folder, fs::copy_options::recursive);
-  std::string text = std::regex_replace(read_file(kProject), std::regex("fpaa_percent = 0.05 "),
-                                        "fpaa_percent = " + fpaa_percent + " ");
-  text = std::regex_replace(text, std::regex("(\\[hardware.fpaa\\]\n)"), "$1clock_hz = 2000.0\n");
-  text =
-      std::regex_replace(text, std::regex("frequency_hz = \\[1, 10, 20, [^\\]]*"), "frequency_hz = [1, 100");
-  text = std::regex_replace(text, std::regex("measured_percent = [^\\]]*"), "measured_percent = [0.98, 0.56");
+  std::string text =
+      replaced(read_file(kProject), "fpaa_percent = 0.05 ", "fpaa_percent = " + fpaa_percent + " ");
+  text = replaced(text, "(\\[hardware.fpaa\\]\n)", "$1clock_hz = 2000.0\n");
+  text = replaced(text, "frequency_hz = \\[1, 10, 20, [^\\]]*", "frequency_hz = [1, 100");
+  text = replaced(text, "measured_percent = [^\\]]*", "measured_percent = [0.98, 0.56");
   write_file(folder / "seed.toml", text);
 }
 
@@ -129,8 +128,7 @@ TEST_F(NanopositionerRun, ReportIsOneSelfContainedPage) {
   EXPECT_THAT(html, HasSubstr("content=\"default-src &apos;none&apos;; script-src &apos;sha256-"));
   EXPECT_THAT(html, Not(HasSubstr("<script src")));
   EXPECT_THAT(html, Not(HasSubstr("<link")));
-  EXPECT_FALSE(std::regex_search(html, std::regex("(src|href)=\"(https?:)?//")))
-      << "something is loaded from outside";
+  EXPECT_FALSE(has_match(html, "(src|href)=\"(https?:)?//")) << "something is loaded from outside";
   EXPECT_THAT(html, Not(HasSubstr(">nan")));
   for (const char* chapter : {"Target", "Fit", "Sections", "Error budget", "FPAA", "Circuit",
                               "Disturbance generator", "Tracking"}) {
@@ -201,7 +199,7 @@ TEST(Run, ALimitThatIsNotMetIsStatusOneAndASecondRunWritesTheSameBytesButForTime
   for (const auto& entry : fs::recursive_directory_iterator(folder / "one")) {
     if (!entry.is_regular_file()) continue;
     const auto without_times = [](const std::string& bytes) {
-      return std::regex_replace(bytes, std::regex("\"timing_s\": \\{[^}]*\\}"), "");
+      return replaced(bytes, "\"timing_s\": \\{[^}]*\\}", "");
     };
     const fs::path twin = folder / "two" / fs::relative(entry.path(), folder / "one");
     ASSERT_TRUE(fs::exists(twin)) << twin;
@@ -215,9 +213,8 @@ TEST(Run, AFitToTheWaveformTracksBetterThanTheMagnitude) {
   const TemporaryFolder folder;
   fs::copy(fs::path(kProject).parent_path(), folder / "p", fs::copy_options::recursive);
   write_file(folder / "p/waveform.toml",
-             std::regex_replace(read_file(folder / "p/waveform.toml"),
-                                std::regex("frequency_hz = \\[1, 10, 20, 40, [^\\]]*"),
-                                "frequency_hz = [1, 40, 100"));
+             replaced(read_file(folder / "p/waveform.toml"), "frequency_hz = \\[1, 10, 20, 40, [^\\]]*",
+                      "frequency_hz = [1, 40, 100"));
   const ProgramResult result =  // in closed form
       run_shell("BODESMITH_NGSPICE=/nowhere " BODESMITH_PROGRAM " run " +
                 (folder / "p/waveform.toml").string() + " -o " + (folder / "out").string());

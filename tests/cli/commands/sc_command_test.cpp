@@ -11,6 +11,7 @@
 #include "run_program.hpp"
 #include "signal/csv.hpp"
 #include "temporary_folder.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -31,7 +32,7 @@ class ScCommand : public testing::Test {
   Json summary(const std::string& arguments) const {
     const ProgramResult result = run(arguments + " --json");
     EXPECT_EQ(result.status, 0) << result.err;
-    return Json::parse(result.out);
+    return parsed(result.out);
   }
   Csv table() const { return Csv::parse(read_file(folder_ / "out.csv"), "out.csv"); }
 

@@ -11,6 +11,7 @@
 #include "base/files.hpp"
 #include "run_program.hpp"
 #include "temporary_folder.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -46,7 +47,7 @@ class TuneCommand : public testing::Test {
     }
     return out;
   }
-  Json file(const std::string& name) const { return Json::parse(read_file(folder_ / name)); }
+  Json file(const std::string& name) const { return parsed(read_file(folder_ / name)); }
 
  private:
   TemporaryFolder folder_;
@@ -55,7 +56,7 @@ class TuneCommand : public testing::Test {
 TEST_F(TuneCommand, BandwidthAndMarginsAreThoseOfTheLoop) {
   const ProgramResult made = run("--kind pid --bandwidth-hz 200 --sections s.json --json");
   ASSERT_EQ(made.status, 0) << made.err;
-  const Json summary = Json::parse(made.out), c = file("c.json");
+  const Json summary = parsed(made.out), c = file("c.json");
   EXPECT_EQ(c["type"], "pid");
   EXPECT_EQ(summary["limits_met"], true);
   const auto loop = [&](double hz) {
@@ -81,8 +82,8 @@ TEST_F(TuneCommand, BandwidthAndMarginsAreThoseOfTheLoop) {
 
 TEST_F(TuneCommand, PlantsWithinTheTolerancesAreHeldToTheMargins) {
   const Json some =
-      Json::parse(run("--kind pid --gain-tolerance-percent 20 --frequency-tolerance-percent 5 --json").out);
-  const Json none = Json::parse(run("--kind pid --json").out);
+      parsed(run("--kind pid --gain-tolerance-percent 20 --frequency-tolerance-percent 5 --json").out);
+  const Json none = parsed(run("--kind pid --json").out);
   EXPECT_GT(some["plants"].size(), none["plants"].size());
   double least = 1e9;
   for (const Json& plant : some["plants"]) least = std::min(least, plant["phase_margin_deg"].get<double>());

@@ -4,10 +4,11 @@
 
 #include <filesystem>
 #include <map>
-#include <regex>
 #include <set>
 #include <string>
 #include <vector>
+
+#include "texts.hpp"
 
 #include "base/files.hpp"
 
@@ -18,19 +19,11 @@ namespace fs = std::filesystem;
 std::map<std::string, std::set<std::string>> allowed_rooms(std::vector<std::string>& order) {
   std::string text = read_file(fs::path(BODESMITH_SOURCE_DIR) / "CMakeLists.txt");
   std::map<std::string, std::set<std::string>> allowed;
-  const std::regex call("bodesmith_room\\(([a-z_]+)([^)]*)\\)");
-  for (std::sregex_iterator it(text.begin(), text.end(), call), end; it != end; ++it) {
-    const std::string room = (*it)[1];
+  for (const auto& call : matches(text, "bodesmith_room\\(([a-z_]+)([^)]*)\\)")) {
+    const std::string& room = call[1];
     order.push_back(room);
-    const std::string arguments = (*it)[2];
-    std::smatch uses;
-    if (std::regex_search(arguments, uses, std::regex("USES([a-z_\\s]+)"))) {
-      const std::string list = uses[1];
-      const std::regex word("[a-z_]+");
-      for (std::sregex_iterator w(list.begin(), list.end(), word); w != std::sregex_iterator(); ++w) {
-        allowed[room].insert(w->str());
-      }
-    }
+    for (const auto& uses : matches(call[2], "USES([a-z_\\s]+)"))
+      for (const auto& word : matches(uses[1], "[a-z_]+")) allowed[room].insert(word[0]);
     allowed[room].insert(room);
   }
   return allowed;
@@ -41,15 +34,14 @@ TEST(Architecture, RoomsKnowOnlyTheRoomsTheyUse) {
   const auto allowed = allowed_rooms(order);
   ASSERT_GE(order.size(), 12u);
   const std::set<std::string> rooms(order.begin(), order.end());
-  const std::regex include("#include \"([a-z_]+)/[^\"]+\"");
   int seen = 0;
   for (const std::string& room : order) {
     for (const auto& entry :
          fs::recursive_directory_iterator(fs::path(BODESMITH_SOURCE_DIR) / "src" / room)) {
       if (!entry.is_regular_file()) continue;
       const std::string text = read_file(entry.path());
-      for (std::sregex_iterator it(text.begin(), text.end(), include), end; it != end; ++it) {
-        const std::string other = (*it)[1];
+      for (const auto& include : matches(text, "#include \"([a-z_]+)/[^\"]+\"")) {
+        const std::string& other = include[1];
         if (rooms.count(other) == 0) continue;
         ++seen;
         EXPECT_TRUE(allowed.at(room).count(other) > 0)
@@ -64,15 +56,14 @@ TEST(Architecture, RoomsKnowOnlyTheRoomsTheyUse) {
 std::map<std::string, std::set<std::string>> file_graph() {
   const fs::path root = fs::path(BODESMITH_SOURCE_DIR) / "src";
   std::map<std::string, std::set<std::string>> out;
-  const std::regex include("#include \"([a-z0-9_/]+)\\.hpp\"");
   for (const auto& entry : fs::recursive_directory_iterator(root)) {
     const std::string extension = entry.path().extension().string();
     if (extension != ".cpp" && extension != ".hpp") continue;
     const std::string unit = fs::relative(entry.path(), root).replace_extension().string();
     const std::string room = unit.substr(0, unit.find('/') + 1);
     const std::string text = read_file(entry.path());
-    for (std::sregex_iterator it(text.begin(), text.end(), include), end; it != end; ++it) {
-      const std::string other = (*it)[1];
+    for (const auto& include : matches(text, "#include \"([a-z0-9_/]+)\\.hpp\"")) {
+      const std::string& other = include[1];
       if (other != unit && other.starts_with(room)) out[unit].insert(other);
     }
   }
@@ -105,13 +96,12 @@ TEST(Architecture, NoFileOfARoomIncludesItselfByWayOfOthers) {
 TEST(Architecture, OptionsAreSpeltInCliAlone) {
   // A library's message names what is meant; how a command spells it is the command's business.
   const fs::path root = fs::path(BODESMITH_SOURCE_DIR) / "src";
-  const std::regex option("\"[^\"\n]*--[a-z][a-z-]+");
   for (const auto& entry : fs::recursive_directory_iterator(root)) {
     const fs::path path = fs::relative(entry.path(), root);
     if (!entry.is_regular_file() || *path.begin() == "cli" || path == "main.cpp") continue;
     const std::string text = read_file(entry.path());
-    for (std::sregex_iterator it(text.begin(), text.end(), option), end; it != end; ++it) {
-      const std::string found = it->str();
+    for (const auto& option : matches(text, "\"[^\"\n]*--[a-z][a-z-]+")) {
+      const std::string& found = option[0];
       // ngspice's own option, and a decrement after a text.
       EXPECT_TRUE(found == "\"--version" || found.find(") --") != std::string::npos) << path << ": " << found;
     }
@@ -139,13 +129,12 @@ TEST(Architecture, TestsMirrorTheSources) {
 }
 
 TEST(Architecture, NamesOfTestsAreInOneStyle) {
-  const std::regex test(R"(\nTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\))"), style("[A-Z][A-Za-z0-9]*");
   for (const auto& entry : fs::recursive_directory_iterator(fs::path(BODESMITH_SOURCE_DIR) / "tests")) {
     if (!entry.path().string().ends_with("_test.cpp")) continue;
     const std::string text = read_file(entry.path());
-    for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it) {
-      const std::string suite = (*it)[1], name = (*it)[2];
-      EXPECT_TRUE(std::regex_match(suite, style) && std::regex_match(name, style) &&
+    for (const auto& test : matches(text, R"(\nTEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\))")) {
+      const std::string &suite = test[1], &name = test[2];
+      EXPECT_TRUE(has_match(suite + " " + name, "^[A-Z][A-Za-z0-9]* [A-Z][A-Za-z0-9]*$") &&
                   name.find("Beside") == std::string::npos)
           << entry.path() << ": " << suite << "." << name << ", expected UpperCamelCase";
     }

@@ -14,6 +14,7 @@
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
 #include "temporary_folder.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -77,7 +78,7 @@ TEST_F(HardInputs, EveryReaderOfSectionsHasTheirDelay) {
   }
   // |L| = 1 at w = 2000/s, where the lags turn by 126.9 degrees and the delay by 1146.
   const ProgramResult margins = run_bodesmith("bode --margins --json " + at("a.json"));
-  const Json said = Json::parse(margins.out)["responses"][0]["margins"];
+  const Json said = parsed(margins.out)["responses"][0]["margins"];
   EXPECT_NEAR(said["gain_crossings"][0]["phase_margin_deg"].get<double>(),
               std::remainder(
                   180.0 - 2.0 * std::atan(2.0) * 180.0 / std::numbers::pi - 3600.0 / std::numbers::pi, 360.0),

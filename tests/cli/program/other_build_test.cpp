@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <regex>
 
 #include "base/text.hpp"
 #include "cli/seeded_inputs.hpp"
 #include "run_program.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -60,8 +60,8 @@ NumbersAndRest numbers_and_rest(const std::string& text) {
 }
 
 std::map<std::string, std::string> made_by(const std::string& program, const std::string& command) {
-  static const std::regex timing(
-      R"re("(timing_s|wall_s|ngspice_s|compute|seconds)": *(\{[^}]*\}|[-+.0-9e]+))re");
+  static const char* const timing =
+      R"re("(timing_s|wall_s|ngspice_s|compute|seconds)": *(\{[^}]*\}|[-+.0-9e]+))re";
   const TemporaryFolder folder;
   write_seeded_inputs(folder.path());
   const ProgramResult result = run_shell(fmt::format("cd {} && export BODESMITH_NGSPICE=/nowhere && {} {}",
@@ -71,7 +71,7 @@ std::map<std::string, std::string> made_by(const std::string& program, const std
   for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
     if (entry.is_regular_file())
       out[fs::relative(entry.path(), folder.path()).string()] =
-          std::regex_replace(read_file(entry.path()), timing, "time");
+          replaced(read_file(entry.path()), timing, "time");
   }
   return out;
 }

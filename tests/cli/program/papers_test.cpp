@@ -4,13 +4,13 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <regex>
 #include <string>
 #include <vector>
 
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "run_program.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -51,10 +51,8 @@ bool is_number(const std::string& word) {
 bool stands_in(const std::string& output, const std::string& number) {
   double wanted = 0.0;
   parse_number(number, wanted);
-  static const std::regex numbers(R"([-+]?\d+\.?\d*([eE][-+]?\d+)?)");
-  for (auto it = std::sregex_iterator(output.begin(), output.end(), numbers); it != std::sregex_iterator();
-       ++it) {
-    const double got = std::stod(it->str());
+  for (const auto& match : matches(output, R"([-+]?\d+\.?\d*([eE][-+]?\d+)?)")) {
+    const double got = std::stod(match[0]);
     if (std::abs(wanted) < 1e-12 ? std::abs(got) < 1e-12 && (wanted == 0.0) == (got == 0.0)
                                  : std::abs(got - wanted) <= 0.02 * std::abs(wanted))
       return true;
@@ -71,10 +69,9 @@ std::optional<std::string> output_of(std::string command, const TemporaryFolder&
     EXPECT_EQ(result.status, 0) << command << result.err;
     return result.out;
   }
-  command = std::regex_replace(command.substr(std::string("bodesmith ").size()), std::regex("OUT"),
-                               (folder / "out").string());
+  command = replaced(command.substr(std::string("bodesmith ").size()), "OUT", (folder / "out").string());
   const std::string root = BODESMITH_SOURCE_DIR;
-  command = std::regex_replace(command, std::regex("(examples|netlists)/"), root + "/$1/");
+  command = replaced(command, "(examples|netlists)/", root + "/$1/");
   const ProgramResult result = run_bodesmith(command);
   EXPECT_EQ(result.status, 0) << command << "\n" << result.err;
   return result.out + result.err;

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <map>
-#include <regex>
 #include <string>
 #include <vector>
 
 #include "cli/seeded_inputs.hpp"
 #include "run_program.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -19,28 +19,27 @@ namespace fs = std::filesystem;
 
 /// Every file below a folder, by name, without what tells the time.
 std::string contents(const fs::path& folder) {
-  static const std::regex timing(
-      R"re("(timing_s|wall_s|ngspice_s|compute|seconds)": *(\{[^}]*\}|[-+.0-9e]+))re");
+  static const char* const timing =
+      R"re("(timing_s|wall_s|ngspice_s|compute|seconds)": *(\{[^}]*\}|[-+.0-9e]+))re";
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file()) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::string out;
   for (const fs::path& file : files)
-    out += fs::relative(file, folder).string() + "\n" + std::regex_replace(read_file(file), timing, "time") +
-           "\n";
+    out += fs::relative(file, folder).string() + "\n" + replaced(read_file(file), timing, "time") + "\n";
   return out;
 }
 
 TEST(SameBytes, EverySubcommandIsAmongTheCommands) {
   const ProgramResult help = run_bodesmith("--help");
-  const std::regex line("^  ([a-z]+) +[A-Za-z]", std::regex::multiline);
   int found = 0;
   const std::size_t begin = help.out.find("Subcommands");
   ASSERT_NE(begin, std::string::npos);
   const std::string list = help.out.substr(begin);
-  for (std::sregex_iterator it(list.begin(), list.end(), line), end; it != end; ++it, ++found) {
-    const std::string name = (*it)[1].str() + " ";
+  for (const auto& line : matches(list, "\n  ([a-z]+) +[A-Za-z]")) {
+    ++found;
+    const std::string name = line[1] + " ";
     EXPECT_TRUE(std::any_of(seeded_commands().begin(), seeded_commands().end(),
                             [&](const std::string& command) {
                               return command.starts_with(name) ||

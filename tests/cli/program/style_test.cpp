@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <regex>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "base/files.hpp"
 #include "base/text.hpp"
+#include "texts.hpp"
 
 namespace bodesmith {
 namespace {
@@ -26,10 +26,10 @@ std::vector<fs::path> files_below(const fs::path& folder, const std::set<std::st
 }
 
 TEST(Style, HeadersDoNotIncludeTheWholeOfJson) {
-  const std::regex heavy("#include [<\"](nlohmann/json\\.hpp|base/json\\.hpp)[>\"]");
+  const char* const heavy = "#include [<\"](nlohmann/json\\.hpp|base/json\\.hpp)[>\"]";
   for (const fs::path& file : files_below(kRoot / "src", {".hpp"})) {
     if (file == kRoot / "src/base/documents/json.hpp") continue;
-    EXPECT_FALSE(std::regex_search(read_file(file), heavy))
+    EXPECT_FALSE(has_match(read_file(file), heavy))
         << file << " includes all of JSON, expected base/documents/json_fwd.hpp";
   }
 }
@@ -43,12 +43,10 @@ TEST(Style, FilesDoNotRepeatTheNameOfTheirFolder) {
 
 TEST(Style, EverySubcommandHasAFileOfItsOwn) {
   const std::string table = read_file(kRoot / "src/cli/commands.cpp");
-  const std::regex entry("COMMAND\\(([a-z]+), \"");
-  int found = 0;
-  for (std::sregex_iterator it(table.begin(), table.end(), entry), end; it != end; ++it, ++found) {
-    EXPECT_TRUE(fs::exists(kRoot / "src/cli/commands" / ((*it)[1].str() + "_command.cpp"))) << (*it)[1];
-  }
-  EXPECT_GE(found, 12);
+  const auto entries = matches(table, "COMMAND\\(([a-z]+), \"");
+  for (const auto& entry : entries)
+    EXPECT_TRUE(fs::exists(kRoot / "src/cli/commands" / (entry[1] + "_command.cpp"))) << entry[1];
+  EXPECT_GE(entries.size(), 12u);
 }
 
 /// A way of writing that is not used here, and what is used in its place.
@@ -80,28 +78,22 @@ const std::vector<Rule>& rules() {
 
 /// Names of the contract and of outside APIs (Google Benchmark, Zrna, Eigen, CMake) that keep their spelling.
 std::string without_exceptions(const std::string& line) {
-  static const std::regex exceptions(
+  static const char* const exceptions =
       "--realization|\"realization\"|`realization`|\\{\\{realization\\}\\}|^realization = |[.>]realization\\b|"
-      "std::string realization\\b|DoNotOptimize|NonLinearOptimization|CMAKE_OPTIMIZE_DEPENDENCIES|lm\\.minimize|\\.realized\\b|^linearize v\\(");
-  return std::regex_replace(line, exceptions, "");
+      "std::string realization\\b|DoNotOptimize|NonLinearOptimization|CMAKE_OPTIMIZE_DEPENDENCIES|lm\\.minimize|\\.realized\\b|^linearize v\\(";
+  return replaced(line, exceptions, "");
 }
 
 void check_style(const fs::path& file) {
-  static const std::vector<std::regex> patterns = [] {
-    std::vector<std::regex> out;
-    for (const Rule& rule : rules()) out.emplace_back(rule.pattern, std::regex::icase | std::regex::optimize);
-    return out;
-  }();
   int number = 0;
   const std::string text = read_file(file);
   for (const std::string_view part : split(text, '\n')) {
     ++number;
     const std::string small = lower_case(part);
-    for (std::size_t i = 0; i < patterns.size(); ++i) {
-      if (small.find(rules()[i].stem) == std::string::npos) continue;
-      const std::string line = without_exceptions(std::string(part));
-      EXPECT_FALSE(std::regex_search(line, patterns[i]))
-          << file.string() << ":" << number << ": " << part << "\n  expected " << rules()[i].instead;
+    for (const Rule& rule : rules()) {
+      if (small.find(rule.stem) == std::string::npos) continue;
+      EXPECT_FALSE(has_match(lower_case(without_exceptions(std::string(part))), rule.pattern))
+          << file.string() << ":" << number << ": " << part << "\n  expected " << rule.instead;
     }
   }
 }
@@ -118,33 +110,33 @@ TEST(Style, OneSpellingAndOneVocabulary) {
 
 TEST(Style, RoundedNumbersBecomeWholeOnesInOneWay) {
   // What std::lround and a cast do with a number that the type cannot hold is undefined.
-  const std::regex unchecked(
-      R"(\bl?lround\(|static_cast<(int|long|long long|unsigned|std::size_t|std::u?int\d+_t|Eigen::Index)>\((std::)?(floor|ceil|round|trunc)\()");
+  const char* const unchecked =
+      R"(\bl?lround\(|static_cast<(int|long|long long|unsigned|std::size_t|std::u?int\d+_t|Eigen::Index)>\((std::)?(floor|ceil|round|trunc)\()";
   for (const fs::path& file : files_below(kRoot / "src", {".cpp", ".hpp"})) {
     if (file == kRoot / "src/base/whole_number.hpp") continue;
-    EXPECT_FALSE(std::regex_search(read_file(file), unchecked))
+    EXPECT_FALSE(has_match(read_file(file), unchecked))
         << file << ", expected nearest_whole() or whole_number()";
   }
 }
 
 TEST(Style, LettersAndNumbersDoNotDependOnTheLocale) {
   // A host of the library (Python) may set one: a Turkish tolower('I') is 'I', a German strtod("1.5") is 1.
-  const std::regex by_locale(
-      R"(<cctype>|\b(is(alnum|alpha|digit|space|upper|lower|punct)|to(upper|lower))\(|\bstrto[df]\(|\bsto[df]\(|\bato[f]\()");
+  const char* const by_locale =
+      R"(<cctype>|\b(is(alnum|alpha|digit|space|upper|lower|punct)|to(upper|lower))\(|\bstrto[df]\(|\bsto[df]\(|\bato[f]\()";
   for (const char* folder : {"src", "python/src"}) {
     for (const fs::path& file : files_below(kRoot / folder, {".cpp", ".hpp"})) {
-      EXPECT_FALSE(std::regex_search(read_file(file), by_locale))
+      EXPECT_FALSE(has_match(read_file(file), by_locale))
           << file << ", expected base/text.hpp or parse_number()";
     }
   }
 }
 
 TEST(Style, NothingNamesAMachine) {
-  const std::regex machine("/(work|home|root|tmp)/[a-z_]+/(build|src|main)\\b");
+  const char* const machine = "/(work|home|root|tmp)/[a-z_]+/(build|src|main)\\b";
   for (const char* folder : {"src", "tests", "docs", "templates", "examples", "bench", "cmake", ".ci"}) {
     for (const fs::path& file :
          files_below(kRoot / folder, {".cpp", ".hpp", ".md", ".toml", ".py", ".sh", ".cmake", ".txt", ""})) {
-      EXPECT_FALSE(std::regex_search(read_file(file), machine)) << file;
+      EXPECT_FALSE(has_match(read_file(file), machine)) << file;
     }
   }
 }

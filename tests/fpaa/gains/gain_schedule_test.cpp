@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "fpaa/fake_board.hpp"
 #include "run_program.hpp"
+#include "texts.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -317,7 +318,7 @@ TEST(GainSchedule, SaysEveryPlaceAndEverySet) {
   schedule.max_gain_error_percent = 0.75;
   schedule.max_tracking_error_percent = 0.25;
   schedule.update_s = 0.125;
-  EXPECT_EQ(schedule.to_json(), Json::parse(R"({"branches": [
+  EXPECT_EQ(schedule.to_json(), parsed(R"({"branches": [
       {"branch": "ascending", "place": "FPAA1.Up", "address1": 3, "over": [{"bank": 2, "byte": 5}],
        "under": [{"bank": 2, "byte": 6}], "gain_at_one": 1.25, "better_gain_at_one": 1.5, "better_ratio_error_percent": 0.125},
       {"branch": "descending", "place": "C", "address1": 4, "over": [{"bank": 7, "byte": 8}, {"bank": 9, "byte": 10}],

@@ -9,6 +9,7 @@
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/plan_limits.hpp"
 #include "fpaa/seed_sections.hpp"
+#include "texts.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -121,14 +122,14 @@ TEST(ErrorBudget, SaysWhatItIsMadeOf) {
   budget.settling_percent = 10.5;
   Json json = budget.to_json();
   ASSERT_EQ(json["mismatch"]["capacitors"].size(), 8u);
-  EXPECT_EQ(json["mismatch"]["capacitors"][7], Json::parse(R"({"capacitor": "C8", "share": 0.125})"));
+  EXPECT_EQ(json["mismatch"]["capacitors"][7], parsed(R"({"capacitor": "C8", "share": 0.125})"));
   json["mismatch"].erase("capacitors");
   // sqrt(kT/C) of one unit, in uV.
   const double unit_uv = 1e6 * std::sqrt(1.380649e-23 * 400.0 / 2e-15);
   EXPECT_NEAR(json["noise_uv"].get<double>(), 4.0 * unit_uv, 1e-9 * unit_uv);
   EXPECT_NEAR(json["noise_in_band_uv"].get<double>(), 3.0 * unit_uv, 1e-9 * unit_uv);
   for (const char* key : {"noise_uv", "noise_in_band_uv"}) json.erase(key);
-  EXPECT_EQ(json, Json::parse(R"({
+  EXPECT_EQ(json, parsed(R"({
       "mismatch": {"seed": 5, "draws": 300},
       "settling_limit_hz": 6.5, "settling": {"opamp_gain_bandwidth_hz": 8.5, "opamp_gain": 9.5, "error_percent": 10.5},
       "noise_kt_per_cu": 16, "noise_in_band_kt_per_cu": 9, "noise": {"unit_capacitance_f": 2e-15, "temperature_k": 400},

@@ -11,6 +11,7 @@
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/seed_sections.hpp"
 #include "numeric/random.hpp"
+#include "texts.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -286,7 +287,7 @@ TEST(Trim, SaysWhatItChanges) {
   trim.after = {0.25, 0.5};
   trim.estimate.noise = 0.25;
   trim.changes = {{"chip1.A.Cin", 7, 9}};
-  EXPECT_EQ(trim.to_json(), Json::parse(R"({"improved": true, "unit_array": "nested",
+  EXPECT_EQ(trim.to_json(), parsed(R"({"improved": true, "unit_array": "nested",
       "before": {"median_percent": 1.5, "p95_percent": 2.5}, "after": {"median_percent": 0.25, "p95_percent": 0.5},
       "measurement_deviation_percent": 25, "changes": [{"capacitor": "chip1.A.Cin", "before": 7, "after": 9}]})"));
 }

@@ -69,7 +69,7 @@ TEST(Dense, SingularValuesOfTallAndWideMatrices) {
   tall(4, 2) = 1e-9;
   Eigen::Matrix3d turn;
   turn << 0.6, 0.0, 0.8, 0.0, 1.0, 0.0, -0.8, 0.0, 0.6;
-  const Eigen::MatrixXd turned = tall * turn;
+  const Eigen::MatrixXd turned = tall.lazyProduct(turn);
   for (const Eigen::MatrixXd& a : {turned, Eigen::MatrixXd(turned.transpose())}) {
     const Eigen::VectorXd values = singular_values(a);
     ASSERT_EQ(values.size(), 3);
@@ -113,7 +113,8 @@ TEST(MatrixExponential, ForwardAndBackAreTheIdentity) {
     EXPECT_LT((product - MatrixXd::Identity(n, n)).norm(), 1e-11) << n;
     // exp(A)^2 = exp(2 A).
     const MatrixXd once = matrix_exponential(m);
-    EXPECT_LT((once * once - matrix_exponential(2.0 * m)).norm(), 1e-12 * (once * once).norm()) << n;
+    const Eigen::MatrixXd twice = once.lazyProduct(once);
+    EXPECT_LT((twice - matrix_exponential(2.0 * m)).norm(), 1e-12 * twice.norm()) << n;
   }
 }
 
@@ -133,16 +134,19 @@ TEST(Dense, OrthonormalColumnsSpanTheSameAndTheLeastNormSolves) {
   const Eigen::MatrixXd a =
       (Eigen::MatrixXd(4, 4) << 1, 2, 0, 1, -1, 3, 2, 0, 2, 0, 1, 5, 0, 1, -2, 1).finished();
   const Eigen::MatrixXd q = orthonormal_columns(a);
-  EXPECT_LT((q.transpose() * q - Eigen::MatrixXd::Identity(4, 4)).norm(), 1e-14);
-  const Eigen::MatrixXd r = q.transpose() * a;  // upper
+  EXPECT_LT((q.transpose().lazyProduct(q) - Eigen::MatrixXd::Identity(4, 4)).norm(), 1e-14);
+  const Eigen::MatrixXd r = q.transpose().lazyProduct(a);  // upper
   for (Eigen::Index i = 1; i < 4; ++i) {
     for (Eigen::Index k = 0; k < i; ++k) EXPECT_NEAR(r(i, k), 0.0, 1e-14);
   }
   const Eigen::MatrixXd wide = a.topRows(2);
   const Eigen::MatrixXd b = (Eigen::MatrixXd(2, 1) << 3, -4).finished();
   const Eigen::MatrixXd x = least_norm_columns(wide, b);
-  EXPECT_LT((wide * x - b).norm(), 1e-13);
-  const Eigen::MatrixXd least = wide.transpose() * (wide * wide.transpose()).inverse() * b;
+  EXPECT_LT((wide.lazyProduct(x) - b).norm(), 1e-13);
+  const Eigen::Matrix2d s = wide.lazyProduct(wide.transpose());
+  const Eigen::Matrix2d turned = (Eigen::Matrix2d() << s(1, 1), -s(0, 1), -s(1, 0), s(0, 0)).finished();
+  const Eigen::MatrixXd least =
+      wide.transpose().lazyProduct(turned.lazyProduct(b)) / (s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0));
   EXPECT_LT((x - least).norm(), 1e-13);
 }
 

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith {
@@ -73,10 +74,10 @@ TEST(LeastSquares, DeviationsAreThoseOfTheLinearTheory) {
     const double e = std::exp(-fit.values(1) * t);
     jacobian.row(i) << e, -fit.values(0) * t * e, 1.0;
   }
-  const MatrixXd covariance = (jacobian.transpose() * jacobian).inverse() * fit.cost / 37.0;
+  const MatrixXd covariance = inverse(gram(jacobian)) * fit.cost / 37.0;
   for (Eigen::Index j = 0; j < 3; ++j)
     EXPECT_NEAR(fit.deviation(j) / std::sqrt(covariance(j, j)), 1.0, 0.01) << j;
-  EXPECT_NEAR((fit.gram - jacobian.transpose() * jacobian).norm() / fit.gram.norm(), 0.0, 0.01);
+  EXPECT_NEAR((fit.gram - gram(jacobian)).norm() / fit.gram.norm(), 0.0, 0.01);
 }
 
 TEST(LeastSquares, RosenbrocksValley) {

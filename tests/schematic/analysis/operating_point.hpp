@@ -1,10 +1,11 @@
 #pragma once
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <map>
 #include <stdexcept>
 #include <string>
 
+#include "numeric/linear_algebra/dense.hpp"
 #include "schematic/analysis/equations.hpp"
 #include "schematic/netlist.hpp"
 
@@ -52,8 +53,7 @@ inline std::map<std::string, double> operating_point(const Netlist& netlist,
     for (Eigen::Index i = 0; i < g.rows(); ++i) {
       if (g.row(i).isZero(0.0)) g(i, i) = 1.0;
     }
-    const Eigen::VectorXd change =
-        g.partialPivLu().solve(Eigen::Map<const Eigen::VectorXd>(f.data(), g.rows()));
+    const Eigen::VectorXd change = solve_lu(g, Eigen::Map<const Eigen::VectorXd>(f.data(), g.rows()));
     const double size = change.head(equations.nodes()).cwiseAbs().maxCoeff();
     if (!(size < 1e300)) break;
     for (std::size_t i = 0; i < n; ++i) x[i] -= change(static_cast<Eigen::Index>(i));

@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -29,7 +30,7 @@ StateSpace mixed(const std::vector<double>& real, const std::vector<Complex>& pa
   const Eigen::MatrixXd mix =
       Eigen::MatrixXd::Identity(size, size) + 0.2 * Eigen::MatrixXd::Zero(size, size).unaryExpr(draw);
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> a =
-      mix * modes * mix.inverse();
+      times(times(mix, modes), inverse(mix));
   StateSpace out;
   out.a.assign(a.data(), a.data() + n * n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -49,7 +50,7 @@ Complex response(const StateSpace& system, double w) {
            .cast<Complex>();
   m.diagonal().array() += Complex(0.0, w);
   const Eigen::VectorXcd x =
-      m.fullPivLu().solve(Eigen::Map<const Eigen::VectorXd>(system.b.data(), n).cast<Complex>());
+      solve_lu(m, Eigen::Map<const Eigen::VectorXd>(system.b.data(), n).cast<Complex>());
   Complex out = system.d;
   for (Eigen::Index i = 0; i < n; ++i) out += system.c[std_index(i)] * x(i);
   return out;

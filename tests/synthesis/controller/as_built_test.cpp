@@ -5,12 +5,12 @@
 
 #include <cmath>
 #include <map>
-#include <regex>
 #include <sstream>
 
 #include "base/error.hpp"
 #include "synthesis/controller/study.hpp"
 #include "synthesis/generator/at_rest.hpp"
+#include "texts.hpp"
 
 namespace bodesmith::generator {
 namespace {
@@ -20,10 +20,9 @@ using tracking::Reference;
 /// The volts of a deck's sources between `node` and ground, at t.
 double volts_of(const std::string& deck, double t) {
   double sum = 0.0;
-  const std::regex sine(R"(SIN\((\S+) (\S+) (\S+) 0 0 (\S+)\))");
-  for (auto at = std::sregex_iterator(deck.begin(), deck.end(), sine); at != std::sregex_iterator(); ++at)
-    sum += std::stod((*at)[1]) + std::stod((*at)[2]) * std::sin(2.0 * M_PI * std::stod((*at)[3]) * t +
-                                                                M_PI / 180.0 * std::stod((*at)[4]));
+  for (const auto& sine : matches(deck, R"(SIN\((\S+) (\S+) (\S+) 0 0 (\S+)\))"))
+    sum += std::stod(sine[1]) + std::stod(sine[2]) * std::sin(2.0 * M_PI * std::stod(sine[3]) * t +
+                                                              M_PI / 180.0 * std::stod(sine[4]));
   const auto list = deck.find("PWL(");
   if (list == std::string::npos) return sum;
   std::map<double, double> points;

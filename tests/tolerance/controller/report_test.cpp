@@ -5,13 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <regex>
 #include <sstream>
 
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "kept_text.hpp"
 #include "synthesis/controller/seed_controller.hpp"
+#include "texts.hpp"
 
 namespace bodesmith::tolerance {
 namespace {
@@ -63,12 +63,11 @@ TEST(ControllerReport, ThePageTellsSharesAndFiguresOfTheStudy) {
 
 // The wiper goes from one reference to the other: through R1 and R2 to ground its ends are the trim's ends.
 TEST(ControllerReport, DividersOfPotentiometersSpanTheirRange) {
-  static const std::regex divider("through ([0-9.]+) kohm to the pin and ([0-9.]+) ohm from there");
   int found = 0;
   for (const Trim& trim : trims_of(generator::seed_controller())) {
-    std::smatch ohm;
-    if (!std::regex_search(trim.how, ohm, divider)) continue;
-    const double top = 1e3 * std::stod(ohm[1]), bottom = std::stod(ohm[2]);
+    const auto divider = matches(trim.how, "through ([0-9.]+) kohm to the pin and ([0-9.]+) ohm from there");
+    if (divider.empty()) continue;
+    const double top = 1e3 * std::stod(divider[0][1]), bottom = std::stod(divider[0][2]);
     EXPECT_NEAR(2.5 * bottom / (top + bottom), trim.limit, 0.02 * trim.limit) << trim.name;
     ++found;
   }

@@ -17,8 +17,9 @@ BoucWen BoucWen::from(const Parameters& values) {
   out.n = values.number("n");
   out.z_0 = values.number("z_0");
   out.offset = values.number("offset");
-  if (!(std::abs(out.gamma) <= out.beta))
-    throw DesignError("gamma is outside [-beta, beta]: the state would grow without bound");
+  out.delta = values.number("delta");
+  if (!(std::abs(out.gamma) + std::abs(out.delta) <= out.beta))
+    throw DesignError("|gamma| + |delta| is above beta: the state would grow without bound");
   return out;
 }
 
@@ -117,7 +118,7 @@ double BoucWen::advance(double z, double du) const {
     for (int piece = 0; piece < 2 && left > 0.0; ++piece) {
       // Sign of z along the piece: z's own, or where it is 0 the way it is driven.
       const double sign = z != 0.0 ? (z > 0.0 ? 1.0 : -1.0) : (A * direction >= 0.0 ? 1.0 : -1.0);
-      const double c = beta + gamma * direction * sign;  // ≥ 0
+      const double c = beta + direction * (delta + gamma * sign);  // ≥ 0
       const double drive = A * direction;
       const auto at = [&](double s) {
         return c > 0.0 ? drive / c + (z - drive / c) * std::exp(-c * s) : z + drive * s;
@@ -138,7 +139,8 @@ double BoucWen::advance(double z, double du) const {
   const double drive = direction * A;
   while (left > 0.0) {
     const double sign = (z != 0.0 ? z > 0.0 : drive >= 0.0) ? 1.0 : -1.0;
-    const double c = beta + gamma * direction * sign;  // ≥ 0: dz/ds = drive − sign c |z|^n on this side of 0
+    // ≥ 0: dz/ds = drive − sign c |z|^n on this side of 0.
+    const double c = beta + direction * (delta + gamma * sign);
     const double power = std::pow(std::abs(z), n);
     // A move far shorter than the way to 0 is quicker by Taylor's series.
     if (c * power <= kNearZero * std::abs(drive) && std::abs(drive) * left > 0.03 * std::abs(z)) {
@@ -170,6 +172,9 @@ class BoucWenType final : public ShapedModelType<BoucWen, BoucWenOperator> {
                             between("n", "1", "sharpness of the corner", 1.0, 50.0).with_default(1.0),
                             any_number("z_0", "y", "hysteretic part that a reset assumes").with_default(0.0),
                             any_number("offset", "y", "constant added at the output").with_default(0.0),
+                            any_number("delta", "u^-1 y^(1-n)",
+                                       "rate of a rising input above beta, of a falling one below")
+                                .with_default(0.0),
                         }) {}
 
   /// A sharpness of 1 has a closed form.
@@ -179,10 +184,12 @@ class BoucWenType final : public ShapedModelType<BoucWen, BoucWenOperator> {
   /// Rises where k exceeds the steepest dz/du, which over the bounded states is max(A, −A + …): at a reversal
   /// from saturation |z| = (A/(beta+gamma))^(1/n) it is A (1 + (beta − gamma)/(beta + gamma)).
   std::unique_ptr<Inverse> inverse_of(const BoucWen& model) const override {
+    const double skew = std::abs(model.delta);
     const double steepest =
-        model.A >= 0.0 ? model.A * (1.0 + std::max(0.0, (model.beta - model.gamma) /
-                                                            std::max(model.beta + model.gamma, 1e-300)))
-                       : 0.0;
+        model.A >= 0.0
+            ? model.A * (1.0 + std::max(0.0, (model.beta + skew - model.gamma) /
+                                                 std::max(model.beta - skew + model.gamma, 1e-300)))
+            : 0.0;
     if (!(model.k > steepest))
       throw DesignError(
           "k is not above the steepest slope of the hysteretic part: the output does not always rise with "

@@ -9,8 +9,10 @@ namespace bodesmith::hysteresis {
 /// The Bouc-Wen model (Bouc 1967, Wen 1976) as it is used for piezo stages (Low and Guo, IEEE Trans.
 /// Ultrasonics 42 (1995) 230):
 ///   y = k u − z + offset,
-///   ż = A u̇ − beta |u̇| |z|^(n−1) z − gamma u̇ |z|^n,        beta > 0, −beta < gamma ≤ beta, n ≥ 1, z(0) = 0.
-/// Rate-independent: along a monotone input dz/du = A − (beta sgn(u̇ z) + gamma) |z|^n. For n = 1 this is
+///   ż = A u̇ − (beta |u̇| + delta u̇) |z|^(n−1) z − gamma u̇ |z|^n,        |gamma| + |delta| ≤ beta, beta > 0, n ≥ 1, z(0) = z_0.
+/// `delta` gives z another rate each way (beta_5 of Song and Der Kiureghian, J. Eng. Mech. 132 (2006) 610); with n = 1 and gamma = 0 it is
+/// what Coleman and Hodgdon's loop of two rates lags behind its line, or Dahl's friction of two stiffnesses about its mean.
+/// Rate-independent: along a monotone input dz/du = A − (beta sgn(u̇ z) + delta sgn(z) + gamma) |z|^n. For n = 1 this is
 /// solved in closed form, otherwise near z = 0 by the series of ∫ dz/(A − …) and elsewhere by Taylor's series of z,
 /// to 1e-11 of it.
 /// Thermodynamically admissible for −beta ≤ gamma ≤ beta (Ismail, Ikhouane and Rodellar 2009). No wiping-out
@@ -24,6 +26,7 @@ struct BoucWen {
   double n = 1.0;
   double z_0 = 0.0;  ///< state that a reset assumes
   double offset = 0.0;
+  double delta = 0.0;
 
   static BoucWen from(const Parameters& values);
   /// z at the end of a monotone move of the input by du.

@@ -18,7 +18,7 @@ double brute_force(const BoucWen& model, double z, double du) {
   const double sign = du > 0.0 ? 1.0 : -1.0;
   const auto slope = [&](double v) {
     const double p = std::pow(std::abs(v), model.n);
-    return model.A - model.beta * sign * (v >= 0.0 ? p : -p) - model.gamma * p;
+    return model.A - (model.beta * sign + model.delta) * (v >= 0.0 ? p : -p) - model.gamma * p;
   };
   for (int i = 0; i < steps; ++i) z += h * slope(z + 0.5 * h * slope(z));
   return z;
@@ -28,7 +28,7 @@ TEST(BoucWen, ClosedFormAndStepsAgreeWithBruteForce) {
   for (const double n : {1.0, 1.7, 3.0}) {
     for (const double gamma : {-0.5, 0.0, 0.8}) {
       for (const double amplitude : {0.6, -0.6}) {
-        const BoucWen model{2.0, amplitude, 1.3, gamma, n, 0.0, 0.0};
+        const BoucWen model{2.0, amplitude, 1.3, gamma, n, 0.0, 0.0, amplitude * gamma};
         double z = 0.0;
         for (const double move : {0.7, -0.3, -1.5, 2.2, 0.1, -0.05}) {
           const double expected = brute_force(model, z, move);
@@ -80,9 +80,25 @@ TEST(BoucWen, OfSharpnessTwoIsAHyperbolicTangentFromZero) {
     EXPECT_NEAR(model.advance(0.0, move), rest * std::tanh(move * model.A / rest), 1e-11) << move;
 }
 
+// Coleman and Hodgdon's loop x + w, dw = rate |dx| (slope x - w) with another rate each way, in closed form from turn to turn.
+TEST(BoucWen, LagsBehindALineAtARateEachWay) {
+  const double slope = 0.2, up = 1.7, down = 0.9;
+  const BoucWen model{1.0 + slope, slope, 0.5 * (up + down), 0.0, 1.0, 0.0, 0.0, 0.5 * (up - down)};
+  BoucWenOperator op(model);
+  double x = 0.0, w = 0.0;
+  for (const double target : {0.8, -0.5, 1.4, 1.1, 0.2}) {
+    // From x on w - slope x decays towards -slope d/rate, d the direction.
+    const double rate = target > x ? up : down;
+    const double rest = (target > x ? -slope : slope) / rate;
+    w = slope * target + rest + (w - slope * x - rest) * std::exp(-rate * std::abs(target - x));
+    x = target;
+    EXPECT_NEAR(op.step(x, 1.0), x + w, 1e-14) << x;
+  }
+}
+
 TEST(BoucWen, InverseTracks) {
   Parameters values;
-  values.set("k", 2.0).set("A", 0.5).set("beta", 1.3).set("gamma", 0.9);
+  values.set("k", 2.0).set("A", 0.5).set("beta", 1.3).set("gamma", 0.9).set("delta", -0.2);
   const Model model = make_model("bouc_wen", values);
   const auto forward = make_operator(model);
   const auto inverse = make_inverse(model);

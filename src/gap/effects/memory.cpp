@@ -210,6 +210,30 @@ Proposal uneven_stop(const Scene& scene, std::size_t at) {
   });
 }
 
+/// A Bouc-Wen loop of another rate each way. It rests at zero wherever its state does; how steep it is without the loop, a gain tells
+/// where one is free.
+Proposal rates_each_way(const Scene& scene, std::size_t at) {
+  const double span = scene.boundary[at].span();
+  auto block = chain::make_block("bouc_wen").set("k", 1.0).set("A", 0.1).set("beta", 1.0).set("gamma", 0.0);
+  std::vector<Unknown> unknowns = {
+      linear_unknown("A", -3.0, 3.0, 0.1), logarithmic_unknown("beta", 0.02, 20.0),
+      linear_unknown("delta_over_beta", -0.95, 0.95, 0.2), linear_unknown("z_0", -span, span, 0.025 * span)};
+  const bool free_gain = is_refitted(*scene.model, "gain");
+  if (!free_gain) unknowns.push_back(linear_unknown("k", 0.2, 5.0, 0.05));
+  Starts starts;
+  for (const double a : {0.1, -0.1}) {
+    for (const double skew : {0.3, -0.3}) {
+      starts.push_back({a, 2.0, skew, 0.0});
+      if (!free_gain) starts.back().push_back(1.0);
+    }
+  }
+  return insert_block(scene, at, block, unknowns, starts, [span](chain::Block& b, std::span<const double> v) {
+    const double beta = 2.0 * v[1] / span;
+    b.set("A", v[0]).set("beta", beta).set("delta", v[2] * beta).set("z_0", v[3]).set("offset", v[3]);
+    if (v.size() > 4) b.set("k", v[4]);
+  });
+}
+
 void propose_asymmetric_hysteresis(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
     if (!(scene.boundary[at].span() > 0.0)) continue;
@@ -218,15 +242,17 @@ void propose_asymmetric_hysteresis(const Scene& scene, std::vector<Proposal>& ou
     out.push_back(branches(scene, at));
     out.push_back(plays_and_knee(scene, at));
     out.push_back(uneven_stop(scene, at));
+    out.push_back(rates_each_way(scene, at));
   }
 }
 
-/// Branches that coincide are a curve, even halves hysteresis.
+/// Branches that coincide are a curve, even halves and rates hysteresis.
 bool asymmetric_hysteresis_is_no_name(const Model& model, const Term& term, const Scene& scene) {
   const std::size_t at = model.position_of(term.blocks.front());
   const auto& block = model.at(at);
   const auto& signal = scene.boundary[at];
   if (block.has("ascending")) return is_curve_of_branches(block, signal);
+  if (block.has("delta")) return std::abs(block.get("delta")) < kMinLoop * block.get("beta");
   return block.list("e").empty() ? is_knee_or_plays_alone(block, signal) : is_even_stop(block);
 }
 
@@ -239,7 +265,7 @@ BODESMITH_EFFECT(
     .propose = propose_hysteresis)
 
 BODESMITH_EFFECT(asymmetric_hysteresis, .what = "memory whose ascending and descending branches differ",
-                 .experiment = "loops of several amplitudes about several biases", .places_a_round = 5,
+                 .experiment = "loops of several amplitudes about several biases", .places_a_round = 7,
                  .propose = propose_asymmetric_hysteresis, .is_no_name = asymmetric_hysteresis_is_no_name)
 
 }  // namespace bodesmith::gap

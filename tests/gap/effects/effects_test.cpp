@@ -457,5 +457,16 @@ TEST(Effects, AStopOfEvenHalvesIsNoName) {
   EXPECT_FALSE(stop(0.3, 0.6));
 }
 
+// A loop of one rate is hysteresis.
+TEST(Effects, EvenRatesAreNoName) {
+  const auto loop = [](double skew) {
+    return Judged("asymmetric_hysteresis", false, {0.1, 2.0, skew, 0.0, 1.0}).no_name();
+  };
+  const double least = gap::BoundOptions().explained;
+  EXPECT_TRUE(loop(0.98 * least));
+  EXPECT_FALSE(loop(1.02 * least));
+  EXPECT_FALSE(loop(-1.02 * least));
+}
+
 }  // namespace
 }  // namespace effects_of

@@ -128,6 +128,27 @@ TEST(NoNames, MemoryHasTheNameOfItsHalves) {
   EXPECT_EQ(name(0.6), "hysteresis ");
 }
 
+// Dahl's friction whose stiffness is another one each way: dF = 3 dx (1 - F sign) (1 + skew sign).
+TEST(NoNames, FrictionOfTwoStiffnessesIsAsymmetricMemory) {
+  const auto record = [](unsigned seed) {
+    auto made = measured_with("[[block]]\ntype = \"gain\"\ngain = 1.0\n", seed);
+    double force = 0.0, before = 0.0;
+    for (std::size_t i = 0; i < made.u.size(); ++i) {
+      const double move = made.u[i] - before;
+      const double way = move > 0.0 ? 1.0 : -1.0;
+      force = way + (force - way) * std::exp(-3.0 * (1.0 + 0.5 * way) * std::abs(move));
+      before = made.u[i];
+      made.y[i] -= 0.15 * force;
+    }
+    return made;
+  };
+  const auto model = model_of("[[block]]\ntype = \"gain\"\ngain = 1.05\n");
+  const auto d = gap::diagnose(model, gap::Study::of({record(1), record(2)}, {record(3)}, model), {});
+  ASSERT_EQ(d.steps.size(), 1U);
+  EXPECT_EQ(d.steps[0].effect, "asymmetric_hysteresis");
+  EXPECT_EQ(d.verdict, gap::Verdict::explained);
+}
+
 // A lag of some samples, and one of a two-hundredth of a sample.
 TEST(NoNames, AreSeenBehindOtherTerms) {
   gap::Experiments train;

@@ -244,9 +244,7 @@ def effect(r, kind, x, rate, hz, seconds, unipolar, direct):
         f, z, share = rate / q(6, 25), math.exp(q(math.log(.01), math.log(.4))), sign * q(.05, .4)
         if q() < .6:
             return lambda x, h, i: mode(x, h, f, z)[0]
-        beside = lambda x, h, i: x + share * mode(x, h, f, z)[0]
-        beside.called = "parallel_mode"
-        return beside
+        return lambda x, h, i: x + share * mode(x, h, f, z)[0]
     if kind == "slew_limit":
         step = q(.3, .85) * fast
         return lambda x, h, i: stepwise(x.tolist(), lambda s, v: s + max(-step * h, min(step * h, v - s)))
@@ -397,7 +395,6 @@ def drawn(r, folder, name):
                                          all(b not in SMOOTH and v.get("highpass_gain", 1.0) for b, v in zip(blocks[place:], values[place:])))))
             if hidden[-1][1] is None:
                 return None
-            kinds[kinds.index(kind)] = getattr(hidden[-1][1], "called", kind)
     run = lambda values, active: [simulated(blocks, values, hidden, u, rate, i, active) for i, u in enumerate(inputs)]
     ys = run(values, [True] * len(kinds))
     train = lambda ys: np.concatenate(ys[:-1])

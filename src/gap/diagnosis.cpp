@@ -39,21 +39,22 @@ constexpr double kDisagreesWithNothing = 5.0;
 const Ranked* best_rival(const Step& step) {
   const Ranked* rival = nullptr;
   for (const auto& r : step.ranking) {
-    if (r.effect != step.effect && (rival == nullptr || r.log_evidence > rival->log_evidence)) rival = &r;
+    if (r.effect->told() != step.effect->told() && (rival == nullptr || r.log_evidence > rival->log_evidence))
+      rival = &r;
   }
   return rival;
 }
 
 DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   DiagnosedStep s;
-  s.effect = step.effect->name();
+  s.effect = step.effect->told();
   s.tied_with = step.tied_with;
   s.placed = step.placed;
   s.also_placed = step.also_placed;
   s.before = meter.size(step.before);
   s.after = meter.size(step.after);
   if (const auto* rival = best_rival(step)) {
-    s.runner_up = {std::string(rival->effect->name()), meter.holdout_rms(rival->model), rival->outcome};
+    s.runner_up = {std::string(rival->effect->told()), meter.holdout_rms(rival->model), rival->outcome};
   }
   return s;
 }

@@ -39,7 +39,7 @@ Json json_of(const Ranked& r) {
   if (!r.model.terms().empty()) {
     for (const auto& u : r.model.terms().back().unknowns) values[u.name] = u.value;
   }
-  return {{"effect", r.effect->name()},
+  return {{"effect", r.effect->told()},
           {"placed", r.placed},
           {"parameters", values},
           {"train_rms_after", r.train_rms},

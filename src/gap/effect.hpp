@@ -13,11 +13,12 @@ namespace bodesmith::gap {
 
 /// What there is to say of an effect.
 struct EffectFacts {
-  std::string_view name;        ///< as in the contract's table
-  std::string_view what;        ///< a sentence for the report: what it does to a signal
-  std::string_view experiment;  ///< that tells it from those
-  bool linear = false;          ///< shows in a frequency response
-  bool static_curve = false;    ///< y = f(x), bent
+  std::string_view name;          ///< as in docs/gap.md
+  std::string_view what;          ///< a sentence for the report: what it does to a signal
+  std::string_view experiment;    ///< that tells it from those
+  bool linear = false;            ///< shows in a frequency response
+  bool static_curve = false;      ///< y = f(x), bent
+  std::string_view told_as = {};  ///< the name of which it is another form to whoever reads the answer
   /// A model may hold more than one of it: each is another thing, and not one thing with more freedom.
   bool repeatable = false;
   bool repeatable_in_response =
@@ -45,6 +46,7 @@ class Effect {
   explicit Effect(EffectFacts facts) : facts_(std::move(facts)) {}
   const EffectFacts& facts() const { return facts_; }
   std::string_view name() const { return facts_.name; }
+  std::string_view told() const { return facts_.told_as.empty() ? facts_.name : facts_.told_as; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const {
     const std::size_t before = out.size();
     facts_.propose(scene, out);

@@ -18,12 +18,15 @@ namespace {
 /// Offsets that are free and given as 0, as a part of the output's range.
 constexpr double kTypicalOffset = 0.05;
 
-/// A chain may well hold two bent curves. Three describe one that is none of them.
-constexpr std::ptrdiff_t kMostCurves = 2;
+/// A chain may well hold two bent curves. Three describe one that is none of them; three modes side by side in a time record, an echo.
+constexpr std::ptrdiff_t kMostOfAKind = 2;
 
-bool has_many_curves(const Model& model) {
-  return std::ranges::count_if(model.terms(), [](const Term& t) { return t.effect->facts().static_curve; }) >
-         kMostCurves;
+bool has_many_of_a_kind(const Model& model, const Experiments& train) {
+  const auto& terms = model.terms();
+  const auto is_mode = [](const Term& t) { return t.effect->facts().repeatable && t.effect->facts().linear; };
+  return std::ranges::count_if(terms, [](const Term& t) { return t.effect->facts().static_curve; }) >
+             kMostOfAKind ||
+         (!are_responses(train) && std::ranges::count_if(terms, is_mode) > kMostOfAKind);
 }
 
 /// The names one after the other, each with what it was chosen from.
@@ -81,8 +84,8 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   if (!result.stopped) result.structure = signs_left(beam.best.model, beam.records);
   // It made the search go on. What neither an offset nor a drift took of it is what noise has that falls as 1/f from below the record on.
   std::erase_if(result.structure, [](const Sign& s) { return s.kind == SignKind::straight_line; });
-  if (has_many_curves(beam.best.model))
-    result.structure.push_back({SignKind::many_curves, (kMostCurves + 1.0) / kMostCurves});
+  if (has_many_of_a_kind(beam.best.model, beam.records.train))
+    result.structure.push_back({SignKind::many_of_a_kind, (kMostOfAKind + 1.0) / kMostOfAKind});
   result.final = std::move(beam.best.model);
   result.notes = std::move(beam.best.notes);
   if (beam.smooth_input)

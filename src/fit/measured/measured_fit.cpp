@@ -74,17 +74,11 @@ TwoPartNoise two_part_noise(const std::vector<Complex>& errors, const std::vecto
   return out;
 }
 
-/// Raises a point's deviation to what its coherence gamma^2 leaves at least, sqrt((1 - gamma^2)/(2 gamma^2)) of its magnitude
-/// (J. S. Bendat, A. G. Piersol, "Random Data", eq. 9.90, one average).
-void raise_by_coherence(const FrequencyRecord& record, std::size_t i, double magnitude, double& deviation) {
-  if (record.coherence.empty()) return;
-  const double c = std::clamp(record.coherence[i], 1e-3, 1.0);
-  deviation = std::max(deviation, magnitude * std::sqrt((1.0 - c) / (2.0 * c)));
-}
-
 /// Standard deviations (of |error|, both components together) of the points of a measured response: how far each lies
 /// from the straight line through its neighbours (in ln frequency), as a running median, never below 1e-7 of the
-/// magnitude. Coarse sampling of a curved response counts as noise here; noise_from_errors() corrects it once there is a model.
+/// magnitude. With a coherence gamma^2 the relative deviation is at least sqrt((1 - gamma^2)/(2 gamma^2)) (J. S. Bendat,
+/// A. G. Piersol, "Random Data", eq. 9.90, one average). Coarse sampling of a curved response counts as noise here;
+/// noise_from_errors() corrects it once there is a model.
 std::vector<double> noise_from_neighbours(const FrequencyRecord& record) {
   const std::size_t count = record.response.size();
   const std::vector<double> variances = neighbour_variances(record);
@@ -101,7 +95,10 @@ std::vector<double> noise_from_neighbours(const FrequencyRecord& record) {
     }
     const double magnitude = std::abs(record.response[i]);
     out[i] = std::max(std::sqrt(variance), kLeastRelative * magnitude);
-    raise_by_coherence(record, i, magnitude, out[i]);
+    if (!record.coherence.empty()) {
+      const double c = std::clamp(record.coherence[i], 1e-3, 1.0);
+      out[i] = std::max(out[i], magnitude * std::sqrt((1.0 - c) / (2.0 * c)));
+    }
     if (!(out[i] > 0.0)) out[i] = 1e-300;
   }
   return out;
@@ -263,16 +260,13 @@ FactoredResponse of_given_order(const ResponseSamples& all, int order, bool dela
 }
 
 /// Rewrites the deviations by the model's own errors and refines it with them.
-FactoredResponse with_own_noise(FactoredResponse model, const FrequencyRecord& record,
-                                ResponseSamples& samples) {
+FactoredResponse with_own_noise(FactoredResponse model, ResponseSamples& samples) {
   for (int round = 0; round < 2; ++round) {
     std::vector<Complex> errors;
     for (std::size_t i = 0; i < samples.s.size(); ++i) {
       errors.push_back(model.response(samples.s[i]) - samples.response[i]);
     }
     samples.deviation = noise_from_errors(errors, samples.response);
-    for (std::size_t i = 0; i < samples.s.size(); ++i)
-      raise_by_coherence(record, i, std::abs(samples.response[i]), samples.deviation[i]);
     model = refine(model, samples, 60);
   }
   return model;
@@ -372,7 +366,7 @@ MeasuredFit fit_measured(const FrequencyRecord& record, const MeasuredFitOptions
     out.orders = std::move(choice.orders);
     model = refine(choice.model, normal.samples, 60);
   }
-  model = pruned(with_own_noise(std::move(model), record, normal.samples), normal.samples);
+  model = pruned(with_own_noise(std::move(model), normal.samples), normal.samples);
   model = with_zeros_at_rest(std::move(model), normal.samples);
 
   out.order = model.pole_count();

@@ -108,7 +108,7 @@ void add_proposal(const Scene& scene, Model model, int block, std::optional<int>
 
 bool parallel_mode_is_no_name(const Model&, const Term& term, const Scene& scene) {
   const double hz = term.unknowns[0].value;
-  return hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz);
+  return hz > scene.top_hz || hz < scene.low_hz || !(term.unknowns[1].value < kMaxParallelDamping);
 }
 
 void add_block(const Scene& scene, std::size_t at, std::optional<int> resonator, const std::string& placed,
@@ -143,7 +143,7 @@ BODESMITH_EFFECT(
     parallel_mode, .what = "a second-order mode in parallel with the path, of either sign",
     .experiment =
         "a sweep through the suspected frequency and the zero next to it, and the same with the sensor elsewhere",
-    .linear = true, .repeatable = true, .of_no_circuit = true, .propose = propose_parallel_mode,
-    .is_no_name = parallel_mode_is_no_name)
+    .linear = true, .told_as = "resonance", .repeatable = true, .of_no_circuit = true,
+    .propose = propose_parallel_mode, .is_no_name = parallel_mode_is_no_name)
 
 }  // namespace bodesmith::gap

@@ -41,10 +41,15 @@ void propose_resonance(const Scene& scene, std::vector<Proposal>& out) {
   }
 }
 
+bool resonance_is_no_name(const Model&, const Term& term, const Scene&) {
+  return !(term.unknowns[1].value < kMaxDamping);
+}
+
 }  // namespace
 
 BODESMITH_EFFECT(resonance, .what = "a second-order mode",
                  .experiment = "a sweep through the suspected frequency", .linear = true,
-                 .repeatable_in_response = true, .of_no_circuit = true, .propose = propose_resonance)
+                 .repeatable_in_response = true, .of_no_circuit = true, .propose = propose_resonance,
+                 .is_no_name = resonance_is_no_name)
 
 }  // namespace bodesmith::gap

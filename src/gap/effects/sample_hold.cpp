@@ -37,11 +37,12 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
     const std::size_t at = places[i / 2];
     const bool half = i % 2 == 1;
     found[i] = clocks_of_hold(scene, at, half);
+    const auto add = [&](const Starts& more) { found[i].insert(found[i].end(), more.begin(), more.end()); };
+    add(clocks_of_hold(scene, at, half, 0.0, true));
     if (!lags) return;
     const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
-    found[i].push_back({guess});
-    const auto more = clocks_of_hold(scene, at, half, guess);
-    found[i].insert(found[i].end(), more.begin(), more.end());
+    add({{guess}});
+    add(clocks_of_hold(scene, at, half, guess));
   });
   for (std::size_t place = 0; place < places.size(); ++place) {
     const std::size_t at = places[place];

@@ -8,6 +8,7 @@
 
 #include "base/whole_number.hpp"
 #include "numeric/fourier.hpp"
+#include "signal/red_noise.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
@@ -195,16 +196,20 @@ double mean_lag_s(const Scene& scene) {
   return best < 2 ? lag_by_slope_s(scene) : static_cast<double>(best) * scene.step_s;
 }
 
-Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz) {
+Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz, bool white) {
   // A curve or a memory passes stairs on much as they are.
   chain::Chain behind;
   for (std::size_t k = at; k < scene.end(); ++k) {
     if (scene.linear(k)) behind.blocks.push_back(scene.model->at(k));
   }
-  if (behind.blocks.empty())
+  if (behind.blocks.empty() && !white)
     return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half, guess_hz);
-  // <r, H stairs> = <H* r, stairs>: what is behind runs once, over the residual from its end.
-  const std::vector<double> turned(scene.residual.rbegin(), scene.residual.rend());
+  // <W r, W H stairs> = <H* W* W r, stairs>, W the filter that makes the residual white: what is behind runs once, from its end.
+  std::vector<double> turned = scene.residual;
+  const RedNoise noise = white ? most_likely_red_noise({turned}) : RedNoise();
+  if (noise.driving_variance > 0.0) whiten(turned, noise);
+  std::reverse(turned.begin(), turned.end());
+  if (noise.driving_variance > 0.0) whiten(turned, noise);
   simulate::RecordSimulator simulator(std::move(behind), scene.step_s);
   const auto rest = simulator.run(std::vector<double>(turned.size(), 0.0));
   const std::vector<double> constant(rest.begin(), rest.end());

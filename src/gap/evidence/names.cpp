@@ -22,9 +22,9 @@ std::map<std::string, double> names_of_step(const Step& step) {
   std::map<std::string, double> held;
   held[""] = odds(step.log_evidence_without);
   for (const auto& r : step.ranking) {
-    if (is_name(r)) held[std::string(r.effect->name())] += odds(r.log_evidence);
+    if (is_name(r)) held[std::string(r.effect->told())] += odds(r.log_evidence);
   }
-  const std::string own(step.effect->name());
+  const std::string own(step.effect->told());
   if (held.count(own) == 0) held[own] = 1.0;
   double sum = 0.0;
   for (const auto& [name, weight] : held) sum += weight;
@@ -33,15 +33,15 @@ std::map<std::string, double> names_of_step(const Step& step) {
 }
 
 void judge_ranking(Step& step) {
-  const std::string own(step.effect->name());
+  const std::string own(step.effect->told());
   for (const auto& [name, probability] : names_of_step(step)) {
     if (!name.empty() && name != own && probability >= kTied) step.tied_with.push_back(name);
   }
   const Ranked* best = nullptr;
   for (auto& r : step.ranking) {
     if (!is_name(r)) continue;
-    if (r.effect != step.effect) {
-      const bool tied = std::count(step.tied_with.begin(), step.tied_with.end(), r.effect->name()) > 0;
+    if (r.effect->told() != own) {
+      const bool tied = std::count(step.tied_with.begin(), step.tied_with.end(), r.effect->told()) > 0;
       r.outcome = tied ? CandidateOutcome::tied : CandidateOutcome::worse;
     } else if (r.placed == step.placed && best == nullptr) {
       r.outcome = CandidateOutcome::named;
@@ -52,7 +52,7 @@ void judge_ranking(Step& step) {
   }
   for (const auto& r : step.ranking) {
     const bool there = std::count(step.also_placed.begin(), step.also_placed.end(), r.placed) > 0;
-    if (best != nullptr && r.effect == step.effect && r.placed != step.placed && !there && is_name(r) &&
+    if (best != nullptr && r.effect->told() == own && r.placed != step.placed && !there && is_name(r) &&
         r.log_evidence > best->log_evidence + std::log(kTied))
       step.also_placed.push_back(r.placed);
   }

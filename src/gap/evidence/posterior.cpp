@@ -64,7 +64,7 @@ Posterior posterior_of(const SearchResult& result, bool more_is_left) {
   for (const auto& step : result.steps) steps.push_back(names_of_step(step));
   const auto sets = sets_of(steps);
   for (const auto& step : result.steps) {
-    const std::string own(step.effect->name());
+    const std::string own(step.effect->told());
     double held = 0.0;
     for (const auto& set : sets) {
       if (std::find(set.effects.begin(), set.effects.end(), own) != set.effects.end())

@@ -42,7 +42,7 @@ std::string as_likeliest(const Ranked& r, const Diagnosis& d) {
   return fmt::format(
       "likeliest, at odds of {:.2g} to 1 against: {} ({}), which would leave {:.4g} rms of {:.4g} and {:.4g} of {:.4g} held out; "
       "a longer record or another one could make it sure",
-      std::exp(std::max(0.0, log_odds_against(r, d))), r.effect->name(), r.placed, r.train_rms,
+      std::exp(std::max(0.0, log_odds_against(r, d))), r.effect->told(), r.placed, r.train_rms,
       d.final.train_rms, r.holdout_rms, d.final.holdout_rms);
 }
 

@@ -185,9 +185,9 @@ double told_apart(const Model& model, const Eigen::MatrixXd& held, const TimeExp
 std::optional<Rivals> rivals_of(const SearchResult& result, const std::vector<OpenParameter>& open) {
   for (auto step = result.steps.rbegin(); step != result.steps.rend(); ++step) {
     if (step->tied_with.empty()) continue;
-    Rivals rivals{{step->after}, {std::string(step->effect->name())}};
+    Rivals rivals{{step->after}, {std::string(step->effect->told())}};
     for (const auto& r : step->ranking) {
-      const std::string name(r.effect->name());
+      const std::string name(r.effect->told());
       if (r.outcome != CandidateOutcome::tied ||
           std::find(rivals.names.begin(), rivals.names.end(), name) != rivals.names.end())
         continue;

@@ -82,7 +82,7 @@ void add_candidates(report::Page& page, const Diagnosis& d) {
   for (std::size_t k = 0; k < search.steps.size(); ++k) {
     const Step& step = search.steps[k];
     page.table(ranking_table(step.ranking, d.relative),
-               fmt::format("{}: what it was chosen from, alongside the others.", step.effect->name()));
+               fmt::format("{}: what it was chosen from, alongside the others.", step.effect->told()));
   }
   if (!search.refused.empty())
     page.table(ranking_table(search.refused, d.relative), "Last round: none was worth its name.");

@@ -82,7 +82,7 @@ report::Table ranking_table(const std::vector<Ranked>& ranking, bool relative) {
             "training rms", "held-out rms", "log evidence", "outcome"};
   for (const auto& r : ranking) {
     if (r.outcome == CandidateOutcome::named) t.marked.push_back(t.rows.size());
-    t.rows.push_back({std::string(r.effect->name()), r.placed,
+    t.rows.push_back({std::string(r.effect->told()), r.placed,
                       std::to_string(r.model.terms().back().unknowns.size()), percent_text(r.score),
                       rms(r.train_rms), rms(r.holdout_rms),
                       std::isfinite(r.log_evidence) ? fmt::format("{:.1f}", r.log_evidence) : "far behind",

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "gap/evidence/names.hpp"
 #include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
@@ -27,8 +28,9 @@ namespace bodesmith::gap {
 namespace {
 
 std::string names_in_words(const Model& model) {
-  const auto names = names_of(model);
-  return join({names.begin(), names.end()}, " and ");
+  std::vector<std::string> names;
+  for (const auto& term : model.terms()) names.emplace_back(term.effect->told());
+  return join(names, " and ");
 }
 
 std::size_t count_of(const PlacedSet& set) {
@@ -127,7 +129,7 @@ PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, Pl
       if (!is_no_name && matters(setting, records, less.model, set.train_rms) &&
           set.log_evidence > less.log_evidence)
         continue;
-      less.notes.push_back(fmt::format("{} was taken out again: {}", set.model.terms()[k].effect->name(),
+      less.notes.push_back(fmt::format("{} was taken out again: {}", set.model.terms()[k].effect->told(),
                                        is_no_name ? "with the others its values are another effect's form"
                                                   : "the others explain what it did"));
       set = std::move(less);
@@ -171,7 +173,7 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
                   other.rivals.end());
     } else {
       other.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
-                                        best->effect->name(), set.model.terms()[k].effect->name()));
+                                        best->effect->told(), set.model.terms()[k].effect->told()));
     }
     other.model = fit_in_turn(setting, records, std::move(other.model)).model;
     weigh(records, other);
@@ -306,6 +308,26 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam, GoneO
   }
 }
 
+/// Where starts are left out names may tie that differ in nothing else (a constant and a dead zone of a drive of one sign): the one with
+/// which the starts fit, too, is right.
+void explain_starts(const SearchSetting& setting, Beam& beam, GoneOnFrom& gone_on_from) {
+  for (std::size_t k = 0; count_of(beam.best) > 1 && k < count_of(beam.best); ++k) {
+    const auto ranking = beam.best.rivals[k].ranking;
+    for (const auto& r : ranking) {
+      if (setting.options.is_late() || !(r.log_evidence > beam.best.log_evidence + std::log(kTied))) break;
+      if (!is_name(r) || r.effect == beam.best.model.terms()[k].effect) continue;
+      auto tried = score_starts_again(setting, beam.records, r.model);
+      if (scored_samples(tried.records.train) == scored_samples(beam.records.train)) continue;
+      auto other = with_candidate(without(beam.best, k), r, {r});
+      other.model = std::move(tried.model);
+      weigh(tried.records, other);
+      beam.records = std::move(tried.records);
+      beam.best = improved(setting, beam.records, std::move(other), gone_on_from);
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 std::multiset<std::string> names_of(const Model& model) {
@@ -323,14 +345,15 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   grow(setting, beam, true, gone_on_from);
   if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
   if (are_responses(beam.records.train) || options.max_terms < 2 || options.is_late()) return;
-  const bool left = is_something_left(beam.best.model, beam.records);
-  if (!left && !could_be_fewer(options, beam.best.model)) return;
-  Beam base;
-  base.records = std::move(base_records);
-  base.records.set_holds(holds_of(beam.records.train));
-  base.best = base_set;
-  base.first = beam.first;
-  try_pairs(setting, base, beam, gone_on_from);
+  if (is_something_left(beam.best.model, beam.records) || could_be_fewer(options, beam.best.model)) {
+    Beam base;
+    base.records = std::move(base_records);
+    base.records.set_holds(holds_of(beam.records.train));
+    base.best = base_set;
+    base.first = beam.first;
+    try_pairs(setting, base, beam, gone_on_from);
+  }
+  explain_starts(setting, beam, gone_on_from);
 }
 
 }  // namespace bodesmith::gap

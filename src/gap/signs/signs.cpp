@@ -39,7 +39,7 @@ std::string to_string(SignKind kind) {
                                  "neighbouring frequencies err alike",
                                  "single frequencies err far more than those around them",
                                  "the response depends on the drive",
-                                 "so many static curves were named that they are one of another form"};
+                                 "so many curves or modes were named that they are one of another form"};
   return kWords.at(static_cast<std::size_t>(kind));
 }
 

@@ -26,7 +26,7 @@ enum class SignKind {
   smooth_over_frequency,
   stands_apart,
   depends_on_amplitude,  ///< of responses at several drives
-  many_curves,           ///< of what was named
+  many_of_a_kind,        ///< of what was named
 };
 /// For a person: "the residual jumps", ...
 std::string to_string(SignKind kind);

@@ -223,29 +223,6 @@ TEST(MeasuredFit, ManyPolesInManyPoints) {
   EXPECT_NEAR(fit.rms_noise, 1.0, 0.3);
 }
 
-// Every tenth point is wrong by half, and its coherence says so.
-TEST(MeasuredFit, PointsOfLowCoherenceCountForLittle) {
-  Sections truth = make_sections(1.0, {}, pair_at(900.0, 0.1));
-  truth.gain /= truth.dc_gain();
-  FrequencyRecord record = measured(truth, 150, 1e-3, 5);
-  record.coherence.assign(record.response.size(), 1.0);
-  for (std::size_t i = 0; i < record.response.size(); i += 10) {
-    record.response[i] *= 1.5;
-    record.coherence[i] = 0.2;
-  }
-  MeasuredFitOptions options;
-  options.order = 2;
-  options.delay = false;
-  const auto damping_off = [&] {
-    const MeasuredFit fit = fit_measured(record, options);
-    return std::abs(fit.sections.response(Hertz{900.0}.rad_s()) / truth.response(Hertz{900.0}.rad_s()) - 1.0);
-  };
-  const double with = damping_off();
-  record.coherence.clear();
-  EXPECT_LT(with, 2e-3);
-  EXPECT_GT(damping_off(), 0.01);
-}
-
 TEST(MeasuredFit, KeepsItsDelayInTheFile) {
   Sections sections = two_modes();
   sections.delay_s = 1e-3;

@@ -177,7 +177,7 @@ TEST(ParallelModesInTime, OfBothSignsAreNamed) {
                                     {record_beside(hidden::Drive::multisine, 2)}, made::free_gain(1.8));
   const auto found = gap::diagnose(made::free_gain(1.8), study, {});
   ASSERT_EQ(found.steps.size(), 2U);
-  for (const auto& step : found.steps) EXPECT_EQ(step.effect, "parallel_mode");
+  for (const auto& step : found.steps) EXPECT_EQ(step.effect, "resonance");
   EXPECT_LT(found.final.holdout_rms, 0.1 * found.refitted.holdout_rms);
 }
 

@@ -33,8 +33,12 @@ Json with_words(std::string_view text, const char* place, const std::vector<std:
 /// Kinds that a program which uses this one as a library has registered are in its schemas too.
 std::string with_registered_kinds(const std::string& name, std::string_view text) {
   if (name == "model") return to_text(chain::model_schema());
-  if (name == "diagnosis")
-    return to_text(with_words(text, "/$defs/effect/enum", gap::effect_registry().name_list()));
+  if (name == "diagnosis") {
+    std::vector<std::string> told;  // some are told under another's name
+    for (const gap::Effect* effect : gap::effect_registry().all())
+      if (effect->told() == effect->name()) told.emplace_back(effect->name());
+    return to_text(with_words(text, "/$defs/effect/enum", told));
+  }
   if (name == "fpaa_plan") {
     return to_text(with_words(text, "/properties/chips/items/properties/cams/items/properties/cam/enum",
                               fpaa::cam_registry().name_list()));

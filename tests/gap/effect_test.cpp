@@ -64,4 +64,40 @@ TEST(RegisteredEffect, IsNamedByDiagnose) {
   EXPECT_NE(gap::report_page(diagnosis, study).find("a curve that bends up at both ends"), std::string::npos);
 }
 
+int g_looks = 0;
+
+/// Fitted to their end some names turn out to be another effect's form (a loop whose branches come to coincide): what was next best in the
+/// round has its place.
+TEST(RegisteredEffect, ThatIsNoneInTheEndLeavesItsPlaceToTheNextBest) {
+  static const gap::Effect effect(
+      {.name = "twin_of_a_limit",
+       .what = "a limit that is one of two each second time that it is looked at",
+       .experiment = "none",
+       .places_a_round = 1,
+       .propose =
+           [](const gap::Scene& scene, std::vector<gap::Proposal>& out) {
+             auto block = chain::make_block("saturation");
+             block.set("lower", -100.0);
+             out.push_back(gap::insert_block(scene, scene.static_places().back(), block,
+                                             {gap::linear_unknown("upper", 0.1, 2.0, 0.1)}, {{0.7}}));
+           },
+       .is_no_name = [](const gap::Model&, const gap::Term&,
+                        const gap::Scene&) { return ++g_looks % 2 == 0; }});
+  gap::effect_registry().add(effect);
+  const auto base = model_of("[[block]]\ntype = \"gain\"\ngain = 1.25\nfree = [\"gain\"]\n");
+  const auto record = [](const char* file, unsigned seed) {
+    return of_smoothed_noise(file, seed, 1000, 1e-3, [](int, double x, double e) {
+      return std::pair(3.0 * x, std::min(3.9 * x, 0.8) + 0.002 * e);
+    });
+  };
+  const auto study = gap::Study::of({record("train.csv", 1)}, {record("holdout.csv", 2)}, base);
+  gap::SearchOptions options;
+  options.max_terms = 1;  // no pairs, which would find it another way
+  const auto diagnosis = gap::diagnose(base, study, options);
+  EXPECT_GT(g_looks, 1);
+  ASSERT_EQ(diagnosis.steps.size(), 1U);
+  EXPECT_EQ(diagnosis.steps[0].effect, "saturation");
+  EXPECT_EQ(diagnosis.verdict, gap::Verdict::explained);
+}
+
 }  // namespace

@@ -245,14 +245,27 @@ void grow(const SearchSetting& setting, Beam& beam, bool report, GoneOnFrom& gon
     }
     if (gone_on_from.again(GoneOnFrom::Move::one_more, beam.best, beam.records)) return;
     auto more = grown(setting, beam, beam.best);
-    if (!more) return;
-    auto next = settled(setting, beam, std::move(*more));
-    next = improved(setting, beam.records, std::move(next), gone_on_from);
-    if (!(next.log_evidence > beam.best.log_evidence)) {
-      beam.refused = next.rivals.empty() ? std::vector<Ranked>{} : next.rivals.back().ranking;
-      return;
+    bool came_further = false;
+    while (more) {
+      const auto* effect = more->model.terms().back().effect;
+      auto ranking = more->rivals.back().ranking;
+      auto next = settled(setting, beam, std::move(*more));
+      next = improved(setting, beam.records, std::move(next), gone_on_from);
+      more.reset();
+      if (next.log_evidence > beam.best.log_evidence) {
+        beam.best = std::move(next);
+        came_further = true;
+        break;
+      }
+      beam.refused = ranking;
+      if (count_of(next) > count_of(beam.best)) return;
+      // Fitted to its end it is another effect's form: the next best of the round is not.
+      std::erase_if(ranking, [&](const Ranked& r) { return r.effect == effect; });
+      const auto* best = best_of(setting, beam.records, beam.best.model, ranking);
+      if (best != nullptr && best->log_evidence > beam.best.log_evidence)
+        more = with_candidate(beam.best, *best, ranking);
     }
-    beam.best = std::move(next);
+    if (!came_further) return;
   }
 }
 

@@ -18,8 +18,11 @@ BoucWen BoucWen::from(const Parameters& values) {
   out.z_0 = values.number("z_0");
   out.offset = values.number("offset");
   out.delta = values.number("delta");
-  if (!(std::abs(out.gamma) + std::abs(out.delta) <= out.beta))
-    throw DesignError("|gamma| + |delta| is above beta: the state would grow without bound");
+  if (!(std::abs(out.gamma) <= out.beta))
+    throw DesignError("gamma is outside [-beta, beta]: the state would grow without bound");
+  if (!(std::abs(out.delta) <= out.beta - std::abs(out.gamma)))
+    throw DesignError(
+        "delta is outside [|gamma| - beta, beta - |gamma|]: the state would grow without bound");
   return out;
 }
 

@@ -62,12 +62,15 @@ TEST(HysteresisBlock, ReadsBackWhatItWrites) {
 TEST(HysteresisBlock, RelationsBetweenParametersAreRefusedAtTheLine) {
   const std::string head =
       "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"bouc_wen\"\nk = 1\nA = 1\nbeta = 1\n";
-  try {
-    model_from_node(parse_toml(head + "gamma = 2\n", "model.toml"));
-    FAIL() << "accepted";
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()).substr(0, 13), "model.toml:7:");
-    EXPECT_NE(std::string(error.what()).find("is outside [-beta, beta]"), std::string::npos) << error.what();
+  for (const auto& [line, said] : {std::pair("gamma = 2\n", "is outside [-beta, beta]"),
+                                   {"delta = -0.6\ngamma = 0.5\n", "is outside [|gamma| - beta"}}) {
+    try {
+      model_from_node(parse_toml(head + line, "model.toml"));
+      FAIL() << "accepted";
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).substr(0, 13), "model.toml:7:");
+      EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
+    }
   }
 }
 

@@ -137,7 +137,7 @@ TEST(DenseSignal, ALineIsGivenUpOnEitherSide) {
   EXPECT_LT(lines[0], 60u);
 }
 
-/// A block with numbers of which none is like another; where its type refuses these, whole ones. Lists fall and alternate, rise, or (the first) rise from 0.
+/// A block with numbers of which none is like another; where its type refuses these, whole ones, and what may be left out as it is then. Lists fall and alternate, rise, or (the first) rise from 0.
 Block sampled_block(const chain::BlockType& type, int variant, bool whole = false) {
   Block out(type);
   bool first = true;
@@ -147,6 +147,7 @@ Block sampled_block(const chain::BlockType& type, int variant, bool whole = fals
       return std::clamp(value, std::max(spec.min, -1e9), std::min(spec.max, 1e9));
     };
     ++i;
+    if (whole && spec.default_value) continue;
     if (spec.shape == ParameterSpec::Shape::list) {
       std::vector<double> values;
       for (int k = 0; k < 3; ++k) {

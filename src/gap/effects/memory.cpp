@@ -217,7 +217,7 @@ Proposal rates_each_way(const Scene& scene, std::size_t at) {
   auto block = chain::make_block("bouc_wen").set("k", 1.0).set("A", 0.1).set("beta", 1.0).set("gamma", 0.0);
   std::vector<Unknown> unknowns = {
       linear_unknown("A", -3.0, 3.0, 0.1), logarithmic_unknown("beta", 0.02, 20.0),
-      linear_unknown("delta_over_beta", -0.95, 0.95, 0.2), linear_unknown("z_0", -span, span, 0.025 * span)};
+      linear_unknown("delta_over_beta", -0.95, 0.95, 0.2), linear_unknown("z_0_share", -1.0, 1.0, 0.2)};
   const bool free_gain = is_refitted(*scene.model, "gain");
   if (!free_gain) unknowns.push_back(linear_unknown("k", 0.2, 5.0, 0.05));
   Starts starts;
@@ -229,7 +229,10 @@ Proposal rates_each_way(const Scene& scene, std::size_t at) {
   }
   return insert_block(scene, at, block, unknowns, starts, [span](chain::Block& b, std::span<const double> v) {
     const double beta = 2.0 * v[1] / span;
-    b.set("A", v[0]).set("beta", beta).set("delta", v[2] * beta).set("z_0", v[3]).set("offset", v[3]);
+    b.set("A", v[0]).set("beta", beta).set("delta", v[2] * beta);
+    // A share of what its state can come to: more would be a constant by another name.
+    const double rest = v[3] * v[0] / (beta * (1.0 - std::abs(v[2])));
+    b.set("z_0", rest).set("offset", rest);
     if (v.size() > 4) b.set("k", v[4]);
   });
 }

@@ -8,7 +8,6 @@
 
 #include "base/whole_number.hpp"
 #include "numeric/fourier.hpp"
-#include "signal/red_noise.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
@@ -196,7 +195,8 @@ double mean_lag_s(const Scene& scene) {
   return best < 2 ? lag_by_slope_s(scene) : static_cast<double>(best) * scene.step_s;
 }
 
-Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz, bool white) {
+Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz, const RedNoise& noise) {
+  const bool white = noise.driving_variance > 0.0;
   // A curve or a memory passes stairs on much as they are.
   chain::Chain behind;
   for (std::size_t k = at; k < scene.end(); ++k) {
@@ -206,10 +206,9 @@ Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double gues
     return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half, guess_hz);
   // <W r, W H stairs> = <H* W* W r, stairs>, W the filter that makes the residual white: what is behind runs once, from its end.
   std::vector<double> turned = scene.residual;
-  const RedNoise noise = white ? most_likely_red_noise({turned}) : RedNoise();
-  if (noise.driving_variance > 0.0) whiten(turned, noise);
+  if (white) whiten(turned, noise);
   std::reverse(turned.begin(), turned.end());
-  if (noise.driving_variance > 0.0) whiten(turned, noise);
+  if (white) whiten(turned, noise);
   simulate::RecordSimulator simulator(std::move(behind), scene.step_s);
   const auto rest = simulator.run(std::vector<double>(turned.size(), 0.0));
   const std::vector<double> constant(rest.begin(), rest.end());

@@ -229,6 +229,29 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
   return more;
 }
 
+/// The round's best, settled, or where that is another effect's form once it is fitted to its end, the next best; whether that
+/// raised the evidence.
+bool one_more(const SearchSetting& setting, Beam& beam, GoneOnFrom& gone_on_from) {
+  auto more = grown(setting, beam, beam.best);
+  while (more) {
+    const auto* effect = more->model.terms().back().effect;
+    auto ranking = more->rivals.back().ranking;
+    auto next = settled(setting, beam, std::move(*more));
+    next = improved(setting, beam.records, std::move(next), gone_on_from);
+    if (next.log_evidence > beam.best.log_evidence) {
+      beam.best = std::move(next);
+      return true;
+    }
+    beam.refused = ranking;
+    if (count_of(next) > count_of(beam.best)) return false;
+    std::erase_if(ranking, [&](const Ranked& r) { return r.effect == effect; });
+    const auto* best = best_of(setting, beam.records, beam.best.model, ranking);
+    if (best == nullptr || !(best->log_evidence > beam.best.log_evidence)) return false;
+    more = with_candidate(beam.best, *best, ranking);
+  }
+  return false;
+}
+
 /// One name more after the other, as long as the evidence grows.
 void grow(const SearchSetting& setting, Beam& beam, bool report, GoneOnFrom& gone_on_from) {
   const auto& options = setting.options;
@@ -244,28 +267,7 @@ void grow(const SearchSetting& setting, Beam& beam, bool report, GoneOnFrom& gon
       }
     }
     if (gone_on_from.again(GoneOnFrom::Move::one_more, beam.best, beam.records)) return;
-    auto more = grown(setting, beam, beam.best);
-    bool came_further = false;
-    while (more) {
-      const auto* effect = more->model.terms().back().effect;
-      auto ranking = more->rivals.back().ranking;
-      auto next = settled(setting, beam, std::move(*more));
-      next = improved(setting, beam.records, std::move(next), gone_on_from);
-      more.reset();
-      if (next.log_evidence > beam.best.log_evidence) {
-        beam.best = std::move(next);
-        came_further = true;
-        break;
-      }
-      beam.refused = ranking;
-      if (count_of(next) > count_of(beam.best)) return;
-      // Fitted to its end it is another effect's form: the next best of the round is not.
-      std::erase_if(ranking, [&](const Ranked& r) { return r.effect == effect; });
-      const auto* best = best_of(setting, beam.records, beam.best.model, ranking);
-      if (best != nullptr && best->log_evidence > beam.best.log_evidence)
-        more = with_candidate(beam.best, *best, ranking);
-    }
-    if (!came_further) return;
+    if (!one_more(setting, beam, gone_on_from)) return;
   }
 }
 

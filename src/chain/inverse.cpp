@@ -86,14 +86,9 @@ FoundInput inverse_of(const LinearKernel& kernel, const WantedOutput& wanted) {
   std::vector<double> still(kernel.order());
   equilibrium(kernel, 0.0, still.data());
   const double offset = output(kernel, 0.0, still.data());
-  LinearKernel plain = kernel;
-  plain.constant.clear();
-  plain.offset = 0.0;
-  equilibrium(plain, 1.0, still.data());
-  const double gain = output(plain, 1.0, still.data());
   FoundInput out = looking_ahead(wanted, kernel.delay_s);
   if (kernel.order() == 0) {
-    for (double& value : out.values) value = gain == 0.0 ? 0.0 : (value - offset) / gain;
+    for (double& value : out.values) value = kernel.d == 0.0 ? 0.0 : (value - offset) / kernel.d;
     return out;
   }
   LocalGoal goal;
@@ -101,10 +96,10 @@ FoundInput inverse_of(const LinearKernel& kernel, const WantedOutput& wanted) {
   for (double& value : goal.change) value -= offset;
   goal.weight.assign(goal.change.size(), 1.0);
   goal.drive.assign(goal.change.size(), 0.0);
-  goal.gain = std::max(std::abs(gain), 1e-300);
+  goal.gain = slowest_gain(kernel, wanted.step_s, goal.change.size());
   goal.smoothing = wanted.smoothing;
   LocalChain chain(wanted.step_s, goal.change.size());
-  chain.add(sampled(plain, wanted.step_s));
+  chain.add(sampled(kernel, wanted.step_s));
   out.values = chain.change_for(goal);
   return out;
 }

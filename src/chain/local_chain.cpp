@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "base/progress.hpp"
 #include "numeric/index.hpp"
@@ -129,6 +131,11 @@ SampledSystem sampled(const StateSpace& system, double step_s) {
   out.c = as_eigen(system.c);
   out.d = system.d;
   return out;
+}
+
+double slowest_gain(const StateSpace& system, double step_s, std::size_t samples) {
+  const double rate = 2.0 * std::numbers::pi / (step_s * static_cast<double>(samples));
+  return std::max(std::abs(response(system, {0.0, rate})), std::numeric_limits<double>::min());
 }
 
 bool DriveLimits::kept(std::span<const double> u, double step_s) const {

@@ -23,6 +23,10 @@ struct SampledSystem {
 /// Exact, by one matrix exponential. Constants and offsets are left out.
 SampledSystem sampled(const StateSpace& system, double step_s);
 
+/// |H| at the slowest sine that a record holds: what a drive does there, also where at rest it does nothing (a high-pass) or without
+/// end (an integrator).
+double slowest_gain(const StateSpace& system, double step_s, std::size_t samples);
+
 /// What a drive may be.
 struct DriveLimits {
   std::optional<double> lower;

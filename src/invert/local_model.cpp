@@ -96,15 +96,9 @@ class Builder {
  private:
   void add_kernel(LinearKernel& kernel) {
     model_.delay_s += kernel.delay_s;
-    std::vector<double> still(kernel.order());
-    StateSpace plain = kernel;
-    plain.constant.clear();
-    plain.offset = 0.0;
-    equilibrium(plain, 1.0, still.data());
-    const double gain = output(plain, 1.0, still.data());
-    if (kernel.order() == 0) return add_slopes({gain});
-    model_.gain *= std::max(std::abs(gain), 1e-300);
-    model_.chain.add(chain::sampled(plain, step_s_));
+    if (kernel.order() == 0) return add_slopes({kernel.d});
+    model_.gain *= chain::slowest_gain(kernel, step_s_, in_->size());
+    model_.chain.add(chain::sampled(kernel, step_s_));
   }
   void add_kernel(std::unique_ptr<chain::CurveKernel>& curve) {
     std::vector<double> slopes;

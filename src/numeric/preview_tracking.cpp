@@ -5,6 +5,9 @@
 namespace bodesmith {
 namespace {
 
+/// Of a sum over its parts' sizes, after the recursion.
+constexpr double kRounding = 1e-12;
+
 double at(const std::vector<double>& v, std::size_t i) {
   return v.empty() ? 0.0 : v[i];
 }
@@ -72,8 +75,11 @@ std::vector<double> PreviewTracking::solve(const PreviewTargets& targets, const 
   Eigen::VectorXd z = fixed;
   if (start.size() > 0) {
     const double size = start.dot(p0_ * start) + weights_.value;
+    // Where no constant reaches the output (a high-pass) the first sum is rounding of its parts, and u_0 = 0 as good as any.
+    const Eigen::VectorXd sizes = start.cwiseAbs();
+    const double rounding = kRounding * sizes.dot(p0_.cwiseAbs() * sizes);
     const double lean = start.dot(p - p0_ * fixed) + weights_.value * at(targets.v, 0);
-    if (size > 0.0) z += lean / size * start;
+    if (size > rounding) z += lean / size * start;
   }
   std::vector<double> u{z(iu)};
   u.reserve(samples);

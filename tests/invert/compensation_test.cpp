@@ -195,6 +195,27 @@ TEST(Compensation, ARightHalfPlaneZeroGetsABoundedDrive) {
   for (const double u : found.drive) EXPECT_LT(std::abs(u), 10.0);
 }
 
+TEST(Compensation, AHighPassGetsTheIntegralsOfWhatIsWanted) {
+  // r = u'' / (u'' + 2 zeta w u' + w^2 u) from rest: u = r + 2 zeta w int r + w^2 int int r, in closed form for r = 1 - cos(vt).
+  const double zeta = 0.7, w = kTau * 0.4, v = kTau;
+  const Chain chain{{make_block("biquad")
+                         .set("lowpass_gain", 0.0)
+                         .set("highpass_gain", 1.0)
+                         .set("natural_frequency_hz", w / kTau)
+                         .set("damping_ratio", zeta)}};
+  TimeRecord reference;
+  reference.step_s = 0.005;
+  std::vector<double> closed_form;
+  for (std::size_t i = 0; i < 600; ++i) {
+    const double t = static_cast<double>(i) * reference.step_s;
+    reference.u.push_back(1.0 - std::cos(v * t));
+    closed_form.push_back(reference.u.back() + 2.0 * zeta * w * (t - std::sin(v * t) / v) +
+                          w * w * (0.5 * t * t + (std::cos(v * t) - 1.0) / (v * v)));
+  }
+  const auto found = compensate(chain, reference, {});
+  for (std::size_t i = 0; i < closed_form.size(); ++i) EXPECT_NEAR(found.drive[i], closed_form[i], 2e-3) << i;
+}
+
 TEST(Compensation, LimitsHoldAndWhatTheyTakeAwayIsSaid) {
   Chain chain;
   chain.blocks = {make_block("lowpass").set("corner_hz", 8.0), palette()[13],

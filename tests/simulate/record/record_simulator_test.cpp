@@ -198,9 +198,7 @@ TEST(Blocks, OfEveryTypeMakeWhatWasKept) {
         all += fmt::format("; {:.4g} {:.4g}", h->real(), h->imag());
       if (const auto line = block.affine())
         all += fmt::format("; {:.4g} u + {:.4g}", line->factor, line->constant);
-      // (A high-pass has none at rest.)
-      const auto found = block.inverse({0.0, 1e-3, u});
-      if (found && std::ranges::all_of(found->values, [](double v) { return std::abs(v) < 1e9; })) {
+      if (const auto found = block.inverse({0.0, 1e-3, u})) {
         all += fmt::format("; {} out of reach, inverse", found->out_of_reach.size());
         add(found->values);
       }

@@ -271,6 +271,23 @@ TEST(Forms, RefusalsSayWhy) {
   EXPECT_THROW(realise(sections, options), DesignError);
 }
 
+// (An inverter makes none, and is asked for none.)
+TEST(Realisations, ThatMakeTwoPolesTakeSomePairAndOthersNone) {
+  const std::vector<std::vector<Complex>> zeros = {
+      {}, {0.0}, {0.0, 0.0}, {{0.0, 3e3}, {0.0, -3e3}}, {-2e3, -4e3}};
+  for (const Realisation* one : realisation_registry().all()) {
+    const auto* stage = dynamic_cast<const StageRealisation*>(one);
+    if (stage == nullptr || one->name() == "inverter") continue;
+    bool takes = false;
+    for (const auto& at : zeros) {
+      for (const std::vector<Complex>& poles :
+           {std::vector<Complex>{{-5e2, 2e3}, {-5e2, -2e3}}, {-1e3, -3e3}})
+        takes = takes || !stage->refusal({1.0, at, poles});
+    }
+    EXPECT_EQ(takes, stage->makes_two_poles()) << one->name();
+  }
+}
+
 }  // namespace
 
 }  // namespace bodesmith::synthesis

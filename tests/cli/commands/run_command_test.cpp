@@ -1,9 +1,11 @@
 // the nanopositioner's project once, then every file it wrote.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -11,7 +13,9 @@
 #include "base/documents/document.hpp"
 #include "base/text.hpp"
 #include "browser_check.hpp"
+#include "chain/model_file.hpp"
 #include "cli/main_example.hpp"
+#include "kept_text.hpp"
 #include "lti/cascade.hpp"
 #include "lti/sections.hpp"
 #include "run_program.hpp"
@@ -252,6 +256,24 @@ TEST(Run, DisturbancesThatNoLoopCanFollowAreOneLine) {
                        "\"amplitude\": {\"alpha\": [0.5, 0.25, 1], \"ascending\": [0.4, 0.2, 1], "
                        "\"descending\": [0.4, 0.2, 1]}, \"rate\": {"),
               HasSubstr("out of order, expected rising numbers"));
+}
+
+TEST(MainExample, PartsOfItsModelDoWhatWasKept) {
+  Provenance from;
+  const chain::Chain model = chain::read_model(main_example().folder / "model.toml", from);
+  std::string all;
+  for (const chain::Block& block : model.blocks) {
+    if (!block.parts) continue;
+    for (const chain::PartChange& part : *block.parts) {
+      all += fmt::format("{} within {:.4g} {}:", part.part, part.tolerance, part.unit);
+      // Bends of the size of rounding are none.
+      for (const auto& one : part.entries)
+        all += fmt::format(" {} {:.4g} {:.4g}", one.parameter, one.slope,
+                           std::round(1e6 * one.bend) * 1e-6 + 0.0);
+      all += "\n";
+    }
+  }
+  expect_kept("cli/commands/kept_example_parts.txt", all);
 }
 
 TEST(MainExample, TracksBestAndSaysSoFirst) {

@@ -11,6 +11,34 @@ namespace {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// From sample to sample; N: as many states, or any number.
+template <int N>
+void follow(const StateSpace& system, const simulate::HoldResponse& hold, std::span<const double> u,
+            SettledPath& out, double repeat_s) {
+  using Vector = Eigen::Matrix<double, N, 1>;
+  const Eigen::Index n = eigen_index(system.order());
+  const Eigen::Matrix<double, N, N> e = Eigen::Map<const RowMatrix>(hold.e.data(), n, n);
+  const RowMatrix g = Eigen::Map<const RowMatrix>(hold.g[0].data(), n, 2);
+  const Vector now = g.col(0), ahead = g.col(1);
+  Vector state = Vector::Zero(n), next(n);
+  const auto move = [&](std::size_t i) {
+    next.noalias() = e * state;
+    state = next + now * u[i] + ahead * u[i + 1 < u.size() ? i + 1 : 0];
+  };
+  // What is left of a state after so many samples does not count beside it: the samples before make none of the last one.
+  std::size_t from = u.size();
+  Eigen::Matrix<double, N, N> left = Eigen::Matrix<double, N, N>::Identity(n, n);
+  for (; from > 0 && left.cwiseAbs().sum() > 1e-20; --from) left = left * e;
+  for (std::size_t i = from; i < u.size(); ++i) move(i);
+  // What a repeat leaves of the states that it began with comes on top.
+  state = solve_lu(forgotten(system, repeat_s), Eigen::VectorXd(state));
+  std::copy_n(state.data(), out.states.size(), out.states.begin());
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    out.output[i] = output(system, u[i], state.data());
+    move(i);
+  }
+}
+
 }  // namespace
 
 Eigen::MatrixXd forgotten(const StateSpace& system, double repeat_s) {
@@ -21,34 +49,22 @@ Eigen::MatrixXd forgotten(const StateSpace& system, double repeat_s) {
 
 SettledPath settled_path(const StateSpace& system, std::span<const double> u, double step_s) {
   SettledPath out{std::vector<double>(system.order()), std::vector<double>(u.size())};
-  const Eigen::Index n = eigen_index(system.order());
-  Eigen::VectorXd state = Eigen::VectorXd::Zero(n), next(n);
-  const auto follow = [&](const auto& move) {
-    for (std::size_t i = 0; i < u.size(); ++i) {
-      out.output[i] = output(system, u[i], state.data());
-      move(u[i], u[(i + 1) % u.size()]);
-    }
-  };
-  if (n == 0) {
-    follow([](double, double) {});
+  if (system.order() == 0) {
+    for (std::size_t i = 0; i < u.size(); ++i) out.output[i] = output(system, u[i], nullptr);
     return out;
   }
   const double* b = system.b.data();
   simulate::HoldResponse hold;
   simulate::HoldResponseSolver().solve({system.order(), system.a.data(), {&b, 1}}, step_s,
                                        simulate::hold_nodes(1), 1.0, hold);
-  const Eigen::MatrixXd e = Eigen::Map<const RowMatrix>(hold.e.data(), n, n);
-  const Eigen::MatrixXd g = Eigen::Map<const RowMatrix>(hold.g[0].data(), n, 2);
-  const auto move = [&](double from, double to) {
-    next.noalias() = e * state;
-    next += g.col(0) * from + g.col(1) * to;
-    state.swap(next);
-  };
-  follow(move);
-  // What a repeat leaves of the states that it began with comes on top.
-  state = solve_lu(forgotten(system, step_s * static_cast<double>(u.size())), state);
-  std::copy_n(state.data(), out.states.size(), out.states.begin());
-  follow(move);
+  const double repeat_s = step_s * static_cast<double>(u.size());
+  // A stage has an amplifier's pole, and a damping compensator's and a resonance's.
+  if (system.order() == 1)
+    follow<1>(system, hold, u, out, repeat_s);
+  else if (system.order() == 4)
+    follow<4>(system, hold, u, out, repeat_s);
+  else
+    follow<Eigen::Dynamic>(system, hold, u, out, repeat_s);
   return out;
 }
 

@@ -23,6 +23,10 @@ Eigen::MatrixXcd SparseSystem::dense() const {
 }
 
 Eigen::VectorXcd solve_sparse(const SparseSystem& system) {
+  return solve_sparse(system, system.b);
+}
+
+Eigen::MatrixXcd solve_sparse(const SparseSystem& system, const Eigen::MatrixXcd& b) {
   const Eigen::Index n = system.b.size();
   std::vector<Eigen::Triplet<std::complex<double>, int>> entries;
   entries.reserve(system.a.size());
@@ -31,8 +35,11 @@ Eigen::VectorXcd solve_sparse(const SparseSystem& system) {
   Eigen::SparseMatrix<std::complex<double>> a(n, n);
   a.setFromTriplets(entries.begin(), entries.end());
   SparseLu<std::complex<double>> lu;
-  if (!lu.factorise(a)) return Eigen::VectorXcd::Constant(n, std::numeric_limits<double>::quiet_NaN());
-  return lu.solve(system.b);
+  if (!lu.factorise(a))
+    return Eigen::MatrixXcd::Constant(n, b.cols(), std::numeric_limits<double>::quiet_NaN());
+  Eigen::MatrixXcd out(n, b.cols());
+  for (Eigen::Index k = 0; k < b.cols(); ++k) out.col(k) = lu.solve(b.col(k));
+  return out;
 }
 
 }  // namespace bodesmith

@@ -26,5 +26,7 @@ struct SparseSystem {
 
 /// x, by SparseLu. A singular system gives numbers that are not finite.
 Eigen::VectorXcd solve_sparse(const SparseSystem& system);
+/// The same for each column of b.
+Eigen::MatrixXcd solve_sparse(const SparseSystem& system, const Eigen::MatrixXcd& b);
 
 }  // namespace bodesmith

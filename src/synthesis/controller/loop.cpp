@@ -95,8 +95,8 @@ LoopAt look_at(const DisturbanceCircuit& controller, const LoopPoint& point, con
   for (const Hertz f : grid) {
     loop.push_back(fed ? -cut.response(f.rad_s(), "v") : 0.0);
     out.greatest_gain = std::max(out.greatest_gain, std::abs(loop.back()));
-    for (std::size_t k = 0; k < own.size(); ++k)
-      own[k].push_back(schematic::return_ratio(closed, netlist, k, f.rad_s()));
+    const std::vector<Complex> ratios = schematic::return_ratios(closed, netlist, f.rad_s());
+    for (std::size_t k = 0; k < own.size(); ++k) own[k].push_back(ratios[k]);
   }
   const LoopMargins of_generator = loop_margins(grid, loop);
   out.gain_margin_db = of_generator.gain_margin_db().value_or(0.0);

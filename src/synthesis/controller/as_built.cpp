@@ -31,6 +31,15 @@ constexpr int kMostRepeats = 20;
 /// Time constants of the smoothing: what is left of the start is some 1e-5.
 constexpr double kSettled = 10.0;
 
+double slowest_s(const DisturbanceCircuit& controller) {
+  return controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
+}
+
+/// At least so many before the one that is kept; at kilohertz the smoothing takes more to settle, which are cheap.
+double repeats_before(const DisturbanceCircuit& controller, double repeat_s, double least) {
+  return slowest_s(controller) <= least * repeat_s ? least : repeats_to_settle(controller, repeat_s);
+}
+
 /// SIN(offset amplitude frequency delay damping phase): -cos is a sine that begins 90 degrees earlier.
 std::string sine_source(const std::string& name, const std::string& from, const std::string& to,
                         double offset, double top, double f, double start_s) {
@@ -79,32 +88,47 @@ SteadyState run_in_cvode(const DisturbanceCircuit& controller, const Reference& 
                          std::size_t samples, const std::vector<double>& at_s) {
   const Stopwatch watch;
   const double repeat = static_cast<double>(reference.periods()) / operating.value;
-  const int settling = repeats_to_settle(controller, repeat);
-  const double begin = settling * repeat;
-  SteadyState out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, at_s, {}, 0.0};
-  const schematic::InTime::Input input = repeating(reference, repeat);
-  schematic::InTime run(controller, input, {.input = "r"});
+  // At the far end of the reference everything that is quick has settled.
+  const double settle = repeats_before(controller, repeat, controller.stroke ? 1.0 : 0.5);
+  SteadyState out{reference,
+                  operating,
+                  repeat / static_cast<double>(samples),
+                  reference.samples(samples),
+                  std::vector<double>(samples),
+                  {},
+                  at_s,
+                  std::vector<double>(at_s.size()),
+                  0.0};
+  struct Wanted {
+    double t;
+    double* v;
+  };
+  std::vector<Wanted> wanted;
+  // Every phase where it first comes after settling.
+  const auto want = [&](double s, double& v) {
+    wanted.push_back({s + std::ceil(settle - s / repeat) * repeat, &v});
+  };
+  for (std::size_t k = 0; k < samples; ++k) want(static_cast<double>(k) * out.step_s, out.v[k]);
+  for (std::size_t k = 0; k < at_s.size(); ++k) want(at_s[k], out.own_v[k]);
+  std::ranges::sort(wanted, {}, &Wanted::t);
+  schematic::InTime run(controller, repeating(reference, repeat), {.input = "r"});
   run.begin(0.0);
-  const auto take = [&](double from, double to) {
-    const auto within = [&](double t) { return t <= to && t >= from; };
-    while (out.v.size() < samples) {
-      const double t = begin + static_cast<double>(out.v.size()) * out.step_s;
-      if (!within(t)) break;
-      out.r.push_back(input(t));
-      out.v.push_back(run.volts("v", t));
-    }
-    while (out.own_v.size() < at_s.size() && within(begin + at_s[out.own_v.size()]))
-      out.own_v.push_back(run.volts("v", begin + at_s[out.own_v.size()]));
+  auto next = wanted.begin();
+  const auto take = [&](double, double to) {
+    for (; next != wanted.end() && next->t <= to; ++next) *next->v = run.volts("v", next->t);
   };
   std::vector<double> ends = reference.turns();
   ends.erase(ends.begin());
   ends.push_back(1.0);
-  for (int k = 0; k <= settling; ++k) {
-    for (const double theta : ends) run.run_to((k + theta) * repeat, take);
+  const double end = settle + 1.0;
+  for (double k = 0.0; k < end; ++k) {
+    for (const double theta : ends) {
+      if (k + theta < end) run.run_to((k + theta) * repeat, take);
+    }
   }
+  run.run_to(end * repeat, take);
   // Rounding at the very end.
-  for (; out.v.size() < samples; out.v.push_back(out.v.back())) out.r.push_back(out.r.back());
-  out.own_v.resize(at_s.size(), out.v.back());
+  for (; next != wanted.end(); ++next) *next->v = run.volts("v", end * repeat);
   out.wall_s = watch.seconds();
   return out;
 }
@@ -159,8 +183,7 @@ std::string rising_source(const Reference& reference, Hertz operating, double st
 }
 
 int repeats_to_settle(const DisturbanceCircuit& controller, double repeat_s) {
-  const double slowest = controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
-  return whole_number(std::ceil(slowest / repeat_s), 1, kMostRepeats);
+  return whole_number(std::ceil(slowest_s(controller) / repeat_s), 1, kMostRepeats);
 }
 
 SteadyState run_in_ngspice(const DisturbanceCircuit& controller, const Reference& reference, Hertz operating,
@@ -168,11 +191,7 @@ SteadyState run_in_ngspice(const DisturbanceCircuit& controller, const Reference
   const Stopwatch watch;
   const double periods = static_cast<double>(reference.periods()), period = 1.0 / operating.value,
                repeat = periods * period;
-  // At kilohertz the smoothing takes more periods to settle, which are cheap.
-  const double slowest = controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
-  const double settle = slowest <= options.settle_repeats * repeat
-                            ? options.settle_repeats
-                            : static_cast<double>(repeats_to_settle(controller, repeat));
+  const double settle = repeats_before(controller, repeat, options.settle_repeats);
   const std::string deck = controller_library(controller, "controller", {options.off, false}) +
                            reference_sources(reference, operating, 0.0, std::ceil(settle + 1.0)) +
                            "Xc r v controller\n";

@@ -64,8 +64,8 @@ std::string rising_source(const tracking::Reference& reference, Hertz operating,
 tracking::TrackingError stage_error(const DisturbanceCircuit& controller, const SteadyState& run);
 
 /// The whole netlist in time by CVODE (schematic/analysis/in_time.hpp), alongside what ngspice makes of it: from rest, as many
-/// repeats of the reference as the smoothing behind the slope meter needs; the last one is kept. `at_s`: instants of it, from
-/// its begin, at which v is told too (SteadyState::own_v). `samples`: of the repeat.
+/// repeats of the reference as the smoothing behind the slope meter needs, at least half of one (a whole one with a peak meter); the
+/// one behind them is kept. `at_s`: instants of it, from its begin, at which v is told too (SteadyState::own_v). `samples`: of it.
 SteadyState run_in_cvode(const DisturbanceCircuit& controller, const tracking::Reference& reference,
                          Hertz operating, std::size_t samples, const std::vector<double>& at_s = {});
 

@@ -22,18 +22,20 @@ namespace {
 
 using Responses = std::map<double, Complex>;  // by Hz
 
-/// ngspice at the first harmonics of every tracked frequency and at steps of a hundredth from there to the last; a thousandth of the
-/// lowest stands for rest.
+/// ngspice at the first harmonics of every tracked frequency and at steps of a hundredth from there to the last of all; a thousandth
+/// of the lowest stands for rest.
 Responses ngspice_responses(const Project& project, const synthesis::Circuit& circuit,
                             std::size_t harmonics) {
   constexpr double kEach = 64.0, kStep = 1.01;
   const double repeats = static_cast<double>(tracking::Reference(project.track.waveform()).periods());
+  const auto [lowest, highest] = std::ranges::minmax(project.track.frequency);
   Responses out;
   for (const Hertz f : project.track.frequency) {
-    const double last = static_cast<double>(harmonics) * repeats;
-    for (double k = 1.0; k <= last; k = k < kEach ? k + 1.0 : k * kStep) out[k * f.value / repeats] = {};
-    out[last * f.value / repeats] = {};
+    for (double k = 1.0; k <= kEach; ++k) out[k * f.value / repeats] = {};
   }
+  const double last = static_cast<double>(harmonics) * highest.value;
+  for (double hz = kEach * lowest.value / repeats; hz < last; hz *= kStep) out[hz] = {};
+  out[last] = {};
   out[1e-3 * out.begin()->first] = {};
   std::vector<Hertz> grid;
   for (const auto& [hz, response] : out) grid.push_back(Hertz{hz});

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 #include "base/error.hpp"
 
@@ -13,21 +15,33 @@ using Branch = Disturbance::Branch;
 /// Rounds until the output repeats, at most so many.
 constexpr int kMaxRounds = 40;
 
-/// The model through u, again and again until two rounds agree.
+/// The model through u, again and again until two rounds agree: where the rate does not count through its turning points alone, which
+/// are what is remembered, and once through all of it.
 std::vector<double> settled_output(const hysteresis::Identified& found, std::span<const double> u,
                                    double step_s) {
   const auto model = hysteresis::make_operator(found.model);
   std::vector<double> y(u.size());
-  model->reset(found.input(u.front()));
-  for (int round = 0; round < kMaxRounds; ++round) {
+  std::vector<std::size_t> every(u.size()), turns;
+  std::iota(every.begin(), every.end(), 0);
+  std::ranges::copy_if(every, std::back_inserter(turns), [&](std::size_t i) {
+    const double before = u[(i + u.size() - 1) % u.size()], behind = u[(i + 1) % u.size()];
+    return (u[i] - before) * (behind - u[i]) <= 0.0;
+  });
+  const auto change_over = [&](const std::vector<std::size_t>& samples) {
     double change = 0.0;
-    for (std::size_t i = 0; i < u.size(); ++i) {
+    for (const std::size_t i : samples) {
       const double next = found.output(model->step(found.input(u[i]), step_s));
       change = std::max(change, std::abs(next - y[i]));
       y[i] = next;
     }
-    if (round > 0 && change < 1e-9) break;
+    return change;
+  };
+  model->reset(found.input(u.front()));
+  const std::vector<std::size_t>& first = model->rate_independent() ? turns : every;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (change_over(first) < 1e-9 && round > 0) break;
   }
+  if (model->rate_independent()) change_over(every);
   return y;
 }
 

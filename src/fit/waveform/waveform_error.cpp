@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <numbers>
+#include <unordered_map>
+#include <utility>
 
 #include "base/error.hpp"
 #include "numeric/fourier.hpp"
@@ -75,6 +79,22 @@ WaveformErrorPoint error_at_frequency(const FrequencyResponse& g, const Disturba
 }
 
 }  // namespace
+
+FrequencyResponse remembered(FrequencyResponse response) {
+  struct Known {
+    std::mutex guard;
+    std::unordered_map<double, Complex> at;
+  };
+  return [response = std::move(response), known = std::make_shared<Known>()](RadPerSecond w) {
+    {
+      const std::lock_guard lock(known->guard);
+      if (const auto at = known->at.find(w.value); at != known->at.end()) return at->second;
+    }
+    const Complex h = response(w);
+    const std::lock_guard lock(known->guard);
+    return known->at.emplace(w.value, h).first->second;
+  };
+}
 
 double TriangleSeries::value(double phase) const {
   using Branch = Disturbance::Branch;

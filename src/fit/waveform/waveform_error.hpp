@@ -34,6 +34,8 @@ TriangleSeries triangle_series(const Disturbance& disturbance, DrivenPath path, 
 
 /// G(jw) of anything linear: a cascade, sections, a realised chain.
 using FrequencyResponse = std::function<Complex(RadPerSecond)>;
+/// Harmonics of one operating frequency are harmonics of others, too: each is worked out once, whichever thread asks.
+FrequencyResponse remembered(FrequencyResponse response);
 
 struct WaveformErrorOptions {
   DrivenPath path = DrivenPath::whole;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <unordered_map>
 
 #include "base/progress.hpp"
 #include "lti/judge_responses.hpp"
@@ -11,16 +9,6 @@
 
 namespace bodesmith::project {
 namespace {
-
-/// Harmonics of one operating frequency are harmonics of others, too: each is worked out once.
-FrequencyResponse remembered(const FrequencyResponse& response) {
-  const auto known = std::make_shared<std::unordered_map<double, Complex>>();
-  return [&response, known](RadPerSecond w) {
-    const auto [at, is_new] = known->try_emplace(w.value);
-    if (is_new) at->second = response(w);
-    return at->second;
-  };
-}
 
 /// The constant gain of smallest squared waveform error. e(k) = (k - K) d: the squared error is a parabola in k,
 /// so three values determine it.

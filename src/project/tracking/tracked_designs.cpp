@@ -63,9 +63,9 @@ tracking::SlopeGain slope_gain(const Project& project, const tracking::Scheduled
 tracking::Compensator plan_compensator(const fpaa::Plan& plan, bool hold_and_delays) {
   const auto response = std::make_shared<fpaa::SwitchedBoard>(plan);
   tracking::ResponseCompensator out;
-  out.response = [response, hold_and_delays](RadPerSecond w) {
+  out.response = remembered([response, hold_and_delays](RadPerSecond w) {
     return hold_and_delays ? response->gain(w) : response->sampled(w);
-  };
+  });
   return out;
 }
 
@@ -109,11 +109,12 @@ std::vector<TrackedCandidate> tracked_candidates(const Project& project, const D
     add(tracked::waveform, waveform->name, waveform->sections, once);
   // What no linear filter can do: a gain set by the measured frequency adds no phase.
   if (table) add(tracked::scheduled, "gain set by the known frequency", *table, once);
+  tracking::Compensator switched;
   if (design.plan) {
+    switched = plan_compensator(*design.plan, true);
     add(tracked::fpaa, kFpaaCapacitors, plan_compensator(*design.plan, false), once, kIntegerSections);
-    add(tracked::fpaa_with_holds, "FPAA as its switches make it", plan_compensator(*design.plan, true), once,
-        kFpaaCapacitors)
-        .built = true;
+    add(tracked::fpaa_with_holds, "FPAA as its switches make it", switched, once, kFpaaCapacitors).built =
+        true;
   }
   if (design.paper_plan) {
     const auto cams = design.paper_plan->cams();
@@ -137,8 +138,7 @@ std::vector<TrackedCandidate> tracked_candidates(const Project& project, const D
             sections, tracking::rest_of(sections, project.target.disturbance, project.target.branch)},
         loop);
   }
-  if (design.plan)
-    add(tracked::self_fed_fpaa, "self-fed, FPAA with holds", plan_compensator(*design.plan, true), loop);
+  if (design.plan) add(tracked::self_fed_fpaa, "self-fed, FPAA with holds", switched, loop);
   add_circuit(tracked::self_fed_circuit, "self-fed, ", loop, {});
   return out;
 }

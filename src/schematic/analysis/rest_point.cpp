@@ -22,8 +22,7 @@ constexpr int kGroundPlace = std::numeric_limits<int>::min();
 
 RestOrder::RestOrder(const Netlist& netlist, const std::vector<std::string>& inputs) : netlist_(netlist) {
   number("0");
-  for (const std::string& one : inputs)
-    bit_of_input_.emplace(number(one), std::uint64_t{1} << bit_of_input_.size());
+  for (const std::string& one : inputs) number(one);
   for (const Part& one : netlist_.parts) number(one.from), number(one.to);
   for (const OpAmp& one : netlist_.opamps) number(one.plus), number(one.minus), number(one.out);
   for (const Multiplier& one : netlist_.multipliers)
@@ -32,7 +31,11 @@ RestOrder::RestOrder(const Netlist& netlist, const std::vector<std::string>& inp
   for (const Source& one : netlist_.sources) number(one.node);
   is_driven_.assign(names_.size(), false);
   is_driven_[kGround] = true;
-  for (const auto& [node, bit] : bit_of_input_) is_driven_[at(node)] = true;
+  bit_of_input_.assign(names_.size(), 0);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    bit_of_input_[at(node(inputs[i]))] = std::uint64_t{1} << i;
+    is_driven_[at(node(inputs[i]))] = true;
+  }
   for (const OpAmp& one : netlist_.opamps) is_driven_[at(node(one.out))] = true;
   for (const Multiplier& one : netlist_.multipliers) is_driven_[at(node(one.out))] = true;
   for (const Source& one : netlist_.sources) is_driven_[at(node(one.node))] = true;
@@ -177,7 +180,8 @@ void RestOrder::make_blocks(const std::function<Block&(int)>& block_at, std::siz
 
 void RestOrder::order() {
   std::map<int, Step> known = {{kGround, {}}};  // what a node depends on
-  for (const auto& [node, bit] : bit_of_input_) known[node].inputs = bit;
+  for (std::size_t i = 0; i < bit_of_input_.size(); ++i)
+    if (bit_of_input_[i] != 0) known[static_cast<int>(i)].inputs = bit_of_input_[i];
   for (const Source& one : netlist_.sources) known.try_emplace(node(one.node));
   std::vector<bool> block_done(blocks_.size(), false), multiplier_done(netlist_.multipliers.size(), false);
   // True when all of `reads` are known: `step` depends on what they depend on.
@@ -304,17 +308,17 @@ const RestPoint::Affine& RestPoint::affine(std::size_t block, std::uint64_t cond
 
 void RestPoint::settle_block(std::size_t b) {
   const RestOrder::Block& block = order_->blocks_[b];
-  Eigen::VectorXd given(static_cast<Eigen::Index>(block.reads.size() + block.opamps.size()));
+  given_.resize(static_cast<Eigen::Index>(block.reads.size() + block.opamps.size()));
   Eigen::Index k = 0;
-  for (const int one : block.reads) given(k++) = v_[at(one)];
-  for (const int one : block.opamps) given(k++) = off_.offset(one);
+  for (const int one : block.reads) given_(k++) = v_[at(one)];
+  for (const int one : block.opamps) given_(k++) = off_.offset(one);
   const auto own = static_cast<Eigen::Index>(block.own.size());
   constexpr double kZero = 1e-13;  // V and A: neither is told from rounding
   const std::size_t most = 4 * block.diodes.size() + 2;
   std::uint64_t on = 0, off = 0;
   for (std::size_t tries = 0; tries < most; ++tries) {
-    const Eigen::VectorXd out = affine(b, conducting_[b]) * given;
-    if (!out.allFinite()) {
+    out_.noalias() = affine(b, conducting_[b]) * given_;
+    if (!out_.allFinite()) {
       // An op-amp without feedback: where none of its diodes conducts, those that did not before do.
       for (const std::uint64_t its : block.diodes_at) {
         if ((conducting_[b] & its) == 0) conducting_[b] |= (its & off) == 0 ? its & ~(its - 1) : its & ~off;
@@ -324,12 +328,12 @@ void RestPoint::settle_block(std::size_t b) {
     on = off = 0;
     for (std::size_t d = 0; d < block.diodes.size(); ++d) {
       const std::uint64_t bit = std::uint64_t{1} << d;
-      if (out(own + static_cast<Eigen::Index>(d)) < -kZero) ((conducting_[b] & bit) != 0 ? off : on) |= bit;
+      if (out_(own + static_cast<Eigen::Index>(d)) < -kZero) ((conducting_[b] & bit) != 0 ? off : on) |= bit;
     }
     if ((on | off) == 0) {
       for (Eigen::Index i = 0; i < own; ++i) {
         const int node = block.own[static_cast<std::size_t>(i)];
-        if (!order_->bit_of_input_.contains(node)) v_[at(node)] = out(i);
+        if (order_->bit_of_input_[at(node)] == 0) v_[at(node)] = out_(i);
       }
       return;
     }
@@ -342,7 +346,7 @@ void RestPoint::set(int input_node, double volts) {
   double& now = v_[at(input_node)];
   if (now == volts) return;
   now = volts;
-  changed_ |= order_->bit_of_input_.at(input_node);
+  changed_ |= order_->bit_of_input_[at(input_node)];
 }
 
 void RestPoint::settle(int position) {
@@ -355,7 +359,7 @@ void RestPoint::settle(int position) {
       settle_block(at(step.block));
       continue;
     }
-    if (order_->bit_of_input_.contains(step.out)) continue;
+    if (order_->bit_of_input_[at(step.out)] != 0) continue;
     const MultiplierDeviation& off = off_.multiplier[at(step.multiplier)];
     v_[at(step.out)] = off.product(order_->netlist_.multiplier.scale_v, volts(step.x), volts(step.y)) +
                        volts(step.z) + off.w;

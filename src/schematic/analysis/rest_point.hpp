@@ -52,8 +52,8 @@ class RestOrder {
 
   Netlist netlist_;
   std::map<std::string, int> names_;
-  std::map<int, std::uint64_t> bit_of_input_;
-  std::vector<bool> is_driven_;  ///< by an input, a source, a multiplier or an op-amp
+  std::vector<std::uint64_t> bit_of_input_;  ///< of each node; 0: it is none
+  std::vector<bool> is_driven_;              ///< by an input, a source, a multiplier or an op-amp
   std::vector<Block> blocks_;
   std::vector<std::size_t> block_of_opamp_;
   std::vector<Step> steps_;
@@ -88,6 +88,7 @@ class RestPoint {
   std::vector<double> v_;
   std::vector<std::uint64_t> conducting_;  ///< of each block: its diodes
   std::vector<std::map<std::pair<int, std::uint64_t>, Affine>> known_;
+  Eigen::VectorXd given_, out_;  ///< room for settle_block()
   std::uint64_t changed_ = ~std::uint64_t{0};
   int position_ = -1;
 };

@@ -128,6 +128,7 @@ struct CvodeSolver::Implementation {
     memory.reset(CVodeCreate(method == Method::adams ? CV_ADAMS : CV_BDF, context.get()));
     x.reset(N_VNew_Serial(n, context.get()));
     scratch.reset(N_VNew_Serial(n, context.get()));
+    if (x != nullptr) N_VEnableFusedOps_Serial(x.get(), SUNTRUE);  // several sums in one pass
     if (memory == nullptr || x == nullptr || scratch == nullptr)
       throw SolverFailure("CVODE could not be set up");
     expect_success(CVodeSetErrHandlerFn(memory.get(), silent, nullptr), "CVodeSetErrHandlerFn");

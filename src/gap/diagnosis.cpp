@@ -120,6 +120,12 @@ bool disagrees(const Diagnosis& d) {
   return worse || d.final.holdout_rms > most * d.final.train_rms;
 }
 
+/// What the names leave of the held-out records' gap: all of it where none was found and more is left, none where nothing is missing.
+double share_left(const Diagnosis& d, bool more_is_left) {
+  if (d.steps.empty()) return more_is_left ? 1.0 : 0.0;
+  return d.final.holdout_rms / d.refitted.holdout_rms;
+}
+
 /// Times a floor found above the band: noise that correlates over thirty samples stands so far above its own white level
 /// (root of (1 + rho)/(1 - rho)); half of it would call red noise of ten samples a gap.
 constexpr double kFarAboveWhite = 8.0;
@@ -173,8 +179,8 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   if ((d.holdout_disagrees || is_far_above_white_floor(d)) && d.verdict == Verdict::explained)
     d.verdict = Verdict::partly_explained;
   if (d.holdout_disagrees && d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
-  auto posterior =
-      posterior_of(d.search, d.verdict == Verdict::partly_explained || d.verdict == Verdict::unexplained);
+  const bool more_is_left = d.verdict == Verdict::partly_explained || d.verdict == Verdict::unexplained;
+  auto posterior = posterior_of(d.search, more_is_left, share_left(d, more_is_left));
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     d.steps[k].among_names = posterior.among_names[k];
     d.steps[k].probability = posterior.of_steps[k];

@@ -22,7 +22,8 @@ struct Posterior {
 
 /// Every model that a step's round fitted, and the one without the step, by its evidence (score.hpp) and what a name costs. An
 /// effect counts with its best place and form, steps as independent of each other. `more_is_left`: the verdict is that something is, by a sign or
-/// by records (held-out ones, a floor) that contradict what was found.
-Posterior posterior_of(const SearchResult& result, bool more_is_left);
+/// by records (held-out ones, a floor) that contradict what was found. `share_left`: rms of the held-out records' gap under the final model over
+/// that under the base model.
+Posterior posterior_of(const SearchResult& result, bool more_is_left, double share_left);
 
 }  // namespace bodesmith::gap

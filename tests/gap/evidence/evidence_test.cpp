@@ -87,26 +87,34 @@ gap::SearchResult slewing_alone() {
 
 // Without the limit the spring's model runs away: what cannot be run has no evidence, and the name is sure.
 TEST(Evidence, AModelThatCannotBeRunIsNoRival) {
-  const auto posterior = gap::posterior_of(slewing_alone(), false);
+  const auto posterior = gap::posterior_of(slewing_alone(), false, 0.0);
   EXPECT_EQ(posterior.among_names.front(), 1.0);
   ASSERT_EQ(posterior.alternatives.size(), 1U);
   EXPECT_EQ(posterior.alternatives.front().probability, 1.0);
 }
 
-// Held-out records that contradict a name leave it little better than a guess, and a sign that more is missing less, however plain.
+// What a name leaves of the gap, records that contradict it and a sign that more is missing make it less sure; how plain a sign is does not.
 TEST(Evidence, ANameIsDoubtedWhereMoreIsLeft) {
   auto result = slewing_alone();
-  EXPECT_GT(gap::posterior_of(result, false).of_steps.front(), 0.9);
-  const double contradicted = gap::posterior_of(result, true).of_steps.front();
-  EXPECT_LT(contradicted, 0.7);
-  EXPECT_GT(contradicted, 0.5);
-  result.structure = {{gap::SignKind::jumps, 1.01}};
-  const auto with_a_sign = gap::posterior_of(result, true);
-  EXPECT_LT(with_a_sign.of_steps.front(), 0.5 * contradicted);
-  EXPECT_NEAR(with_a_sign.of_steps.front(), (1.0 - with_a_sign.outside) * with_a_sign.among_names.front(),
-              1e-12);
-  result.structure.front().strength = 30.0;
-  EXPECT_EQ(gap::posterior_of(result, true).of_steps.front(), with_a_sign.of_steps.front());
+  const auto probability = [&](bool more_is_left, double left) {
+    const auto posterior = gap::posterior_of(result, more_is_left, left);
+    EXPECT_NEAR(posterior.of_steps.front(), (1.0 - posterior.outside) * posterior.among_names.front(), 1e-12);
+    return posterior.of_steps.front();
+  };
+  EXPECT_GT(probability(false, 0.01), 0.95);
+  EXPECT_LT(probability(false, 0.0), 1.0);
+  EXPECT_EQ(probability(true, std::numeric_limits<double>::infinity()), 0.0);
+  for (const double left : {0.1, 0.3, 1.0}) {
+    result.structure.clear();
+    const double whole = probability(false, left), contradicted = probability(true, left);
+    result.structure = {{gap::SignKind::jumps, 1.01}};
+    const double with_a_sign = probability(true, left);
+    EXPECT_LT(contradicted, whole);
+    EXPECT_LT(with_a_sign, contradicted);
+    EXPECT_LT(probability(true, 2.0 * left), with_a_sign);
+    result.structure.front().strength = 30.0;
+    EXPECT_EQ(probability(true, left), with_a_sign);
+  }
 }
 
 }  // namespace

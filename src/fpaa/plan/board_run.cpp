@@ -27,6 +27,7 @@ std::optional<ClockedNetwork> network_of_cam(const PlacedCam& cam, std::int64_t 
 
 BoardRun::BoardRun(const std::vector<WiredCam>& cams, std::vector<Part> parts, const Board& board)
     : parts_(std::move(parts)),
+      known_parts_(parts_.size()),
       ticks_per_second_(ticks_per_second(board)),
       full_scale_v_(board.full_scale_v) {
   for (const WiredCam& cam : cams) {
@@ -115,10 +116,14 @@ double BoardRun::voltage(std::size_t source, int depth) {
   }
   constexpr std::size_t kMostInputs = 8;
   double inputs[kMostInputs];
-  const auto& from = part_sources_[source - nodes_.size()];
+  const std::size_t part = source - nodes_.size();
+  KnownPart& known = known_parts_[part];
+  if (known.at == readings_) return known.volts;
+  const auto& from = part_sources_[part];
   const std::size_t count = std::min(from.size(), kMostInputs);
   for (std::size_t i = 0; i < count; ++i) inputs[i] = voltage(from[i], depth + 1);
-  return parts_[source - nodes_.size()].value(static_cast<double>(now_) / ticks_per_second_, {inputs, count});
+  known = {readings_, parts_[part].value(static_cast<double>(now_) / ticks_per_second_, {inputs, count})};
+  return known.volts;
 }
 
 void BoardRun::switch_over(Node& node) {

@@ -83,6 +83,11 @@ class BoardRun {
 
   std::vector<Node> nodes_;
   std::vector<Part> parts_;
+  struct KnownPart {
+    std::int64_t at = -1;  ///< reading at which `volts` was worked out
+    double volts = 0.0;
+  };
+  std::vector<KnownPart> known_parts_;
   std::vector<std::vector<std::size_t>> part_sources_;
   double ticks_per_second_;
   double full_scale_v_;

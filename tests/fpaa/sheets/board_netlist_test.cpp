@@ -92,7 +92,8 @@ Measured run_stage(const std::string& library, const std::string& call, std::siz
     x.push_back(tone_samples(count, length.window, i, inputs, out.turns));
     deck += staircase(fmt::format("in{}", i + 1), fmt::format("in{}", i + 1), x.back(), period, gap);
   }
-  deck += call + fpaa::board_deck_options() + "\n";
+  // What is read at the end of a phase is charge, which Euler's backward rule keeps whatever its steps.
+  deck += call + ".options maxord=1 trtol=10000\n" + fpaa::board_deck_options() + "\n";
   const ngspice::Transient run =
       ngspice::run_transient(deck, {"out"}, period / length.steps, count * period, "board.sub");
   std::vector<double> y;

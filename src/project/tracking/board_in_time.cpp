@@ -52,21 +52,23 @@ std::string with_own_contacts(std::string netlist) {
 
 /// A fast clock's phases as expressions of time, which turn in the first step behind an edge, all at once: behind every corner of
 /// a source steps grow anew from a share of the time to the next, and a pulse has two at each end of a phase. Here a source has
-/// corners at an edge and so much behind it as an op-amp settles in: the drive stays within 4e-6 of the stroke (rms), in .45 of the
-/// time.
+/// corners where a pulse would end (before the next begins, so that what turns at the edge is read as it was) and so much behind that
+/// as an op-amp settles in: the drive stays within 4e-6 of the stroke (rms), in .45 of the time.
 std::string with_phases_of_time(const std::string& netlist) {
+  const fpaa::NetlistParts parts;
+  const double early = 0.6 * parts.gap;
   std::string out;
   for (const std::string_view line : split(netlist, '\n')) {
     const auto words = split(line, ' ');  // name node 0 PULSE(0 1 delay edge edge width period)
     double delay = 0.0, period = 0.0;
     if (words.size() == 10 && words[3] == "PULSE(0" && parse_number(words[5], delay) &&
         parse_number(words[9].substr(0, words[9].size() - 1), period)) {
-      const double settling = std::min(1.0 / fpaa::NetlistParts().opamp.gain_bandwidth.value, 0.1 * period);
+      const double settling = std::min(1.0 / parts.opamp.gain_bandwidth.value, 0.1 * period);
       out += fmt::format("B{0} {0} 0 V=u(sin({1:.17g}*((time-{2:.17g})/{3:.17g}-1e-6)))\n", words[1],
-                         2.0 * std::numbers::pi, delay, period);
+                         2.0 * std::numbers::pi, delay - early * period, period);
       if (delay == 0.0)
-        out += fmt::format("V{0} {0}corners 0 PULSE(0 1 0 {1:.17g} {1:.17g} {2:.17g} {3:.17g})\n", words[1],
-                           settling, 0.5 * period - settling, period);
+        out += fmt::format("V{0} {0}corners 0 PULSE(0 1 {1:.17g} {2:.17g} {2:.17g} {3:.17g} {4:.17g})\n",
+                           words[1], (0.5 - early) * period, settling, 0.5 * period - settling, period);
     } else {
       out.append(line).push_back('\n');
     }

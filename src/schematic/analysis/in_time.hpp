@@ -21,11 +21,8 @@ namespace bodesmith::schematic {
 class InTime {
  public:
   using Input = std::function<double(double)>;
-  /// By default so close that a comparator trips in time which a smooth input brings slowly to its threshold: with ten times as much
-  /// up to 4 % of its delay late.
-  static constexpr double kClose = 1e-7;
-  /// Assumptions::position and ::switching count for nothing. `tolerance`: of a step, relative; a tenth of it in V.
-  InTime(const Netlist& netlist, Input input, const Assumptions& assumptions = {}, double tolerance = kClose);
+  /// Assumptions::position and ::switching count for nothing.
+  InTime(const Netlist& netlist, Input input, const Assumptions& assumptions = {});
   ~InTime();
 
   /// State from which run_to() begins: nodes by name, all others at 0.

@@ -111,11 +111,7 @@ SteadyState run_in_cvode(const DisturbanceCircuit& controller, const Reference& 
   for (std::size_t k = 0; k < samples; ++k) want(static_cast<double>(k) * out.step_s, out.v[k]);
   for (std::size_t k = 0; k < at_s.size(); ++k) want(at_s[k], out.own_v[k]);
   std::ranges::sort(wanted, {}, &Wanted::t);
-  // Behind a corner a comparator trips at once: v is within 1e-7 of the stroke.
-  const bool straight = reference.shape() == Reference::Shape::triangle ||
-                        reference.shape() == Reference::Shape::decaying_triangle;
-  schematic::InTime run(controller, repeating(reference, repeat), {.input = "r"},
-                        straight ? 1e-6 : schematic::InTime::kClose);
+  schematic::InTime run(controller, repeating(reference, repeat), {.input = "r"});
   run.begin(0.0);
   auto next = wanted.begin();
   const auto take = [&](double, double to) {

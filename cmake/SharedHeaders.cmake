@@ -2,7 +2,8 @@
 # same; the develop preset sees to that).
 set(BODESMITH_HEADER_LIST
   <Eigen/Core> <algorithm> <array> <cmath> <complex> <filesystem> <fmt/format.h> <functional> <limits> <map> <memory>
-  <nlohmann/json.hpp> <numbers> <numeric> <optional> <set> <span> <string> <string_view> <utility> <variant> <vector>)
+  ${CMAKE_CURRENT_LIST_DIR}/shared_json.hpp <numbers> <numeric> <optional> <set> <span> <string> <string_view> <utility>
+  <variant> <vector>)
 
 # bodesmith_shared_headers(NAME [MORE HEADERS…] [LINK LIBRARIES…]): parses them as the target NAME.
 function(bodesmith_shared_headers name)

@@ -8,8 +8,6 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 
-template class nlohmann::basic_json<nlohmann::ordered_map>;
-
 namespace bodesmith {
 namespace {
 

@@ -7,8 +7,6 @@
 #include "base/documents/json_fwd.hpp"  // IWYU pragma: export
 #include "base/provenance.hpp"
 
-extern template class nlohmann::basic_json<nlohmann::ordered_map>;  // compiled once, in json.cpp
-
 namespace bodesmith {
 /// The beginning of every JSON output:
 /// {"schema": "bodesmith.NAME/1", "program": "bodesmith VERSION", "inputs": [{"path", "sha256"}]}.

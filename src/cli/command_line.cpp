@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <boost/program_options.hpp>
 #include <sstream>
 #include <utility>
 
@@ -79,36 +80,94 @@ Conversions& waiting_conversions() {
   return conversions;
 }
 
+/// What is parsed as a whole number without sign would take -1 for 2^64 - 1.
+void refuse_negative_counts(const CommandLine& line, const po::parsed_options& parsed) {
+  for (const po::option& one : parsed.options) {
+    const po::option_description* known = parsed.description->find_nothrow(one.string_key, false);
+    if (known == nullptr ||
+        dynamic_cast<const po::typed_value<std::uint64_t>*>(known->semantic().get()) == nullptr)
+      continue;
+    for (const std::string& text : one.value) {
+      if (text.starts_with('-'))
+        line.fail(fmt::format("--{} is {}, expected a whole number not below 0", one.string_key, text));
+    }
+  }
+}
+
 }  // namespace
 
+struct CommandLine::Options {
+  std::vector<po::options_description> groups;  ///< the subcommand's own, then those with a heading
+  std::vector<std::string> captions;            ///< of the groups
+  po::variables_map values;
+
+  po::options_description shown() const {
+    po::options_description all;
+    for (const po::options_description& some : groups) all.add(some);
+    return all;
+  }
+};
+
 CommandLine::CommandLine(std::string name, std::string example, std::string what)
-    : name_(std::move(name)), example_(std::move(example)), what_(std::move(what)) {
+    : name_(std::move(name)),
+      example_(std::move(example)),
+      what_(std::move(what)),
+      options_(std::make_unique<Options>()) {
   group("Options");
   flag("help,h", "show this text");
   flag("json", "print the summary as one JSON object");
   flag("quiet", "no summary (but that of --json), notes and progress: errors alone");
 }
 
-void CommandLine::add(const std::string& name, const po::value_semantic* value, const std::string& what) {
-  groups_.back().add_options()(name.c_str(), value, what.c_str());
+bool CommandLine::is_given(const std::string& option) const {
+  return has_value(option) && !options_->values[option].defaulted();
 }
+
+bool CommandLine::has_value(const std::string& option) const {
+  return options_->values.count(option) > 0;
+}
+
+template <class T>
+const T& CommandLine::value(const std::string& option) const {
+  return options_->values[option].as<T>();
+}
+template const int& CommandLine::value(const std::string&) const;
+template const std::string& CommandLine::value(const std::string&) const;
+template const std::uint64_t& CommandLine::value(const std::string&) const;
+template const std::vector<std::string>& CommandLine::value(const std::string&) const;
+
+template <class T>
+void CommandLine::add(const std::string& name, const std::optional<T>& default_value,
+                      const std::string& what) {
+  auto* value = po::value<T>();
+  if (default_value) value->default_value(*default_value);
+  options_->groups.back().add_options()(name.c_str(), value, what.c_str());
+}
+template void CommandLine::add(const std::string&, const std::optional<int>&, const std::string&);
+template void CommandLine::add(const std::string&, const std::optional<std::string>&, const std::string&);
+template void CommandLine::add(const std::string&, const std::optional<std::uint64_t>&, const std::string&);
 
 void CommandLine::add_quantity(const std::string& name, std::optional<double> default_value,
                                const std::string& what) {
   quantities_[name];
-  auto* value = po::value<std::string>();
-  add(name, default_value ? value->default_value(fmt::format("{}", *default_value)) : value, what);
+  add<std::string>(name, default_value ? std::optional(fmt::format("{}", *default_value)) : std::nullopt,
+                   what);
 }
 
-void CommandLine::add_quantities(const std::string& name, const std::string& what) {
-  quantities_[name];
-  add(name, po::value<std::vector<std::string>>()->multitoken(), what);
+void CommandLine::add_texts(const std::string& name, const std::string& what) {
+  options_->groups.back().add_options()(name.c_str(), po::value<std::vector<std::string>>()->multitoken(),
+                                        what.c_str());
+}
+
+void CommandLine::repeatable(const std::string& name, const std::string& what) {
+  options_->groups.back().add_options()(name.c_str(), po::value<std::vector<std::string>>()->composing(),
+                                        what.c_str());
 }
 
 void CommandLine::read_quantities() {
   for (auto& [name, numbers] : quantities_) {
-    if (values_.count(name) == 0) continue;
-    const boost::any& given = values_[name].value();
+    if (!has_value(name)) continue;
+    const boost::any& given = options_->values[name].value();
     const auto* one = boost::any_cast<std::string>(&given);
     const std::vector<std::string> texts =
         one != nullptr ? std::vector{*one} : boost::any_cast<const std::vector<std::string>&>(given);
@@ -122,12 +181,12 @@ void CommandLine::read_quantities() {
 }
 
 void CommandLine::flag(const std::string& name, const std::string& what) {
-  groups_.back().add_options()(name.c_str(), what.c_str());
+  options_->groups.back().add_options()(name.c_str(), what.c_str());
 }
 
 void CommandLine::group(const std::string& caption) {
-  captions_.push_back(caption);
-  groups_.emplace_back(caption, 100);
+  options_->captions.push_back(caption);
+  options_->groups.emplace_back(caption, 100);
 }
 
 void CommandLine::positional(const std::string& name, int min, int max) {
@@ -137,9 +196,9 @@ void CommandLine::positional(const std::string& name, int min, int max) {
 }
 
 void CommandLine::refuse_group(const std::string& caption) const {
-  for (std::size_t i = 0; i < captions_.size(); ++i) {
-    if (captions_[i] != caption) continue;
-    for (const auto& option : groups_[i].options()) {
+  for (std::size_t i = 0; i < options_->captions.size(); ++i) {
+    if (options_->captions[i] != caption) continue;
+    for (const auto& option : options_->groups[i].options()) {
       if (is_given(option->long_name()))
         fail(fmt::format("--{} is for another kind of work: '{}'", option->long_name(), caption));
     }
@@ -152,7 +211,7 @@ CommandLine::~CommandLine() {
 
 void CommandLine::refuse_unread() const {
   static const std::set<std::string> kOfAllCommands = {"help", "json", "quiet", "output", "__files"};
-  for (const auto& [name, value] : values_) {
+  for (const auto& [name, value] : options_->values) {
     if (value.defaulted() || read_.count(name) > 0 || kOfAllCommands.count(name) > 0) continue;
     fail(fmt::format("--{} does nothing with what is asked for here", name));
   }
@@ -184,10 +243,8 @@ void CommandLine::band(const std::string& from_what, const std::string& to_what)
 }
 
 void CommandLine::show_help() const {
-  po::options_description shown;
-  for (const po::options_description& some : groups_) shown.add(some);
   std::ostringstream text;
-  text << shown;
+  text << options_->shown();
   fmt::print("Example:\n  {}\n\n{}\n\nUsage: bodesmith {}{} [options]\n{}", example_, what_, name_,
              positional_name_.empty() ? "" : " " + positional_name_, text.str());
   if (reads_measurements_) fmt::print("\n{}", kMeasuredFormats);
@@ -195,13 +252,13 @@ void CommandLine::show_help() const {
 
 CommandTable CommandLine::table() const {
   CommandTable out{name_, example_, what_, positional_name_, reads_measurements_, {}};
-  for (std::size_t i = 0; i < groups_.size(); ++i) {
-    for (const auto& option : groups_[i].options()) {
+  for (std::size_t i = 0; i < options_->groups.size(); ++i) {
+    for (const auto& option : options_->groups[i].options()) {
       OptionEntry entry;
       entry.name = option->long_name();
       // "-o [ --output ]" where there is a short name.
       if (const std::string both = option->format_name(); both[1] != '-') entry.letter = both.substr(1, 1);
-      entry.group = captions_[i];
+      entry.group = options_->captions[i];
       entry.what = option->description();
       entry.takes_value = option->semantic()->max_tokens() > 0;
       entry.several = option->semantic()->max_tokens() > 1 || option->semantic()->is_composing();
@@ -222,41 +279,25 @@ void CommandLine::fail_unknown(const std::string& given) const {
   fail(fmt::format("unrecognised option '{}'{}", given, did_you_mean(bare, known, "--")));
 }
 
-void CommandLine::refuse_negative_counts(const po::parsed_options& parsed) const {
-  for (const po::option& one : parsed.options) {
-    const po::option_description* known = parsed.description->find_nothrow(one.string_key, false);
-    if (known == nullptr ||
-        dynamic_cast<const po::typed_value<std::uint64_t>*>(known->semantic().get()) == nullptr)
-      continue;
-    for (const std::string& text : one.value) {
-      if (text.starts_with('-'))
-        fail(fmt::format("--{} is {}, expected a whole number not below 0", one.string_key, text));
-    }
-  }
-}
-
 bool CommandLine::parse(const std::vector<std::string>& arguments) {
   if (tables_wanted() != nullptr) {
     tables_wanted()->push_back(table());
     return false;
   }
-  po::options_description shown;
-  for (const po::options_description& some : groups_) shown.add(some);
-  po::options_description all;
-  all.add(shown);
+  po::options_description all = options_->shown();
   all.add_options()("__files", po::value<std::vector<std::string>>());
   po::positional_options_description places;
   places.add("__files", -1);
   try {
     const int style = po::command_line_style::default_style & ~po::command_line_style::allow_guessing;
     const auto parsed = po::command_line_parser(arguments).options(all).positional(places).style(style).run();
-    refuse_negative_counts(parsed);
-    po::store(parsed, values_);
-    if (values_.count("help") > 0) {
+    refuse_negative_counts(*this, parsed);
+    po::store(parsed, options_->values);
+    if (has_value("help")) {
       show_help();
       return false;
     }
-    po::notify(values_);
+    po::notify(options_->values);
     read_quantities();
   } catch (const po::unknown_option& error) {
     fail_unknown(error.get_option_name());
@@ -268,11 +309,10 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
   if (max_files_ >= 0 && given > max_files_) {
     fail(fmt::format("'{}' is one file too many", files()[static_cast<std::size_t>(max_files_)]));
   }
-  if (output_needed_ && values_.count("output") == 0)
-    fail("-o is missing, expected where to write the result");
-  if (values_.count("output") > 0 && get<std::string>("output").empty()) fail("-o is empty");
+  if (output_needed_ && !has_value("output")) fail("-o is missing, expected where to write the result");
+  if (has_value("output") && get<std::string>("output").empty()) fail("-o is empty");
   if (quiet()) be_quiet();
-  if (values_.count("output") > 0) {
+  if (has_value("output")) {
     ask_before_writing([this, output = output_path().lexically_normal()](const std::filesystem::path& path) {
       const std::filesystem::path below = path.lexically_normal().lexically_relative(output);
       if (!below.empty() && *below.begin() != "..") refuse_unread();
@@ -283,8 +323,8 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
 }
 
 std::vector<std::string> CommandLine::files() const {
-  if (values_.count("__files") == 0) return {};
-  return values_["__files"].as<std::vector<std::string>>();
+  if (!has_value("__files")) return {};
+  return value<std::vector<std::string>>("__files");
 }
 
 double CommandLine::positive(const std::string& option) const {
@@ -313,7 +353,7 @@ std::vector<Hertz> CommandLine::analog_frequencies(const std::string& option) co
 }
 
 std::optional<double> CommandLine::maybe_positive(const std::string& option) const {
-  if (values_.count(option) == 0) return std::nullopt;
+  if (!has_value(option)) return std::nullopt;
   return positive(option);
 }
 

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <boost/program_options.hpp>
-
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -67,7 +66,7 @@ class CommandLine {
     if constexpr (std::is_same_v<T, double>) {
       add_quantity(name, std::nullopt, what);
     } else {
-      add(name, boost::program_options::value<T>(), what);
+      add<T>(name, std::nullopt, what);
     }
   }
   template <class T>
@@ -75,25 +74,19 @@ class CommandLine {
     if constexpr (std::is_same_v<T, double>) {
       add_quantity(name, default_value, what);
     } else {
-      add(name, boost::program_options::value<T>()->default_value(default_value), what);
+      add<T>(name, default_value, what);
     }
   }
   /// Adds --name without a value.
   void flag(const std::string& name, const std::string& what);
-  /// Adds --name with several values after one name; the option's value is a std::vector<T>.
+  /// Adds --name with several values (T: double or std::string) after one name; the option's value is a std::vector<T>.
   template <class T>
   void list(const std::string& name, const std::string& what) {
-    if constexpr (std::is_same_v<T, double>) {
-      add_quantities(name, what);
-    } else {
-      add(name, boost::program_options::value<std::vector<T>>()->multitoken(), what);
-    }
+    if (std::is_same_v<T, double>) quantities_[name];
+    add_texts(name, what);
   }
-  /// Adds --name that may be given several times; the option's value is a std::vector<T>.
-  template <class T>
-  void repeatable(const std::string& name, const std::string& what) {
-    add(name, boost::program_options::value<std::vector<T>>()->composing(), what);
-  }
+  /// Adds --name that may be given several times; the option's value is a std::vector<std::string>.
+  void repeatable(const std::string& name, const std::string& what);
   /// The words that an option takes: offered by shells, and shown by the manual.
   void words(const std::string& option, std::vector<std::string> words) { words_[option] = std::move(words); }
   /// Options added from here on stand under this heading of --help.
@@ -130,12 +123,12 @@ class CommandLine {
     } else if constexpr (std::is_same_v<T, std::vector<double>>) {
       return quantities_.at(option);
     } else {
-      return values_[option].as<T>();
+      return value<T>(option);
     }
   }
   template <class T>
   std::optional<T> maybe(const std::string& option) const {
-    if (values_.count(option) == 0) return std::nullopt;
+    if (!has_value(option)) return std::nullopt;
     return get<T>(option);
   }
   /// Every value of a list or of an option that may be given several times; none where it was not.
@@ -173,24 +166,26 @@ class CommandLine {
   std::vector<std::string> files() const;
   std::filesystem::path output_path() const { return get<std::string>("output"); }
   std::uint64_t seed_value() const { return get<std::uint64_t>("seed"); }
-  bool json() const { return values_.count("json") > 0; }
-  bool quiet() const { return values_.count("quiet") > 0; }
+  bool json() const { return has_value("json"); }
+  bool quiet() const { return has_value("quiet"); }
   /// Throws InputError "NAME: message (see bodesmith NAME --help)".
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
-  bool is_given(const std::string& option) const {
-    return values_.count(option) > 0 && !values_[option].defaulted();
-  }
-  void add(const std::string& name, const boost::program_options::value_semantic* value,
-           const std::string& what);
+  /// Whether it was given.
+  bool is_given(const std::string& option) const;
+  /// Whether it was given or has a default.
+  bool has_value(const std::string& option) const;
+  // T: int, std::string, std::uint64_t or std::vector<std::string>; compiled in the .cpp alone.
+  template <class T>
+  const T& value(const std::string& option) const;
+  template <class T>
+  void add(const std::string& name, const std::optional<T>& default_value, const std::string& what);
   void add_quantity(const std::string& name, std::optional<double> default_value, const std::string& what);
-  void add_quantities(const std::string& name, const std::string& what);
+  void add_texts(const std::string& name, const std::string& what);
   void show_help() const;
   /// "unrecognised option '--oder'", with the option that may be meant.
   [[noreturn]] void fail_unknown(const std::string& given) const;
-  /// What is parsed as a whole number without sign would take -1 for 2^64 - 1.
-  void refuse_negative_counts(const boost::program_options::parsed_options& parsed) const;
   /// Reads the text of every quantity that was given.
   void read_quantities();
   [[noreturn]] void fail_choice(const std::string& option, const std::string& given,
@@ -205,10 +200,8 @@ class CommandLine {
   int max_files_ = 0;
   bool output_needed_ = false;
   bool reads_measurements_ = false;
-  /// The subcommand's own options, then the groups with a heading.
-  std::vector<boost::program_options::options_description> groups_;
-  std::vector<std::string> captions_;  ///< of the groups
-  boost::program_options::variables_map values_;
+  struct Options;  ///< what Boost.Program_options knows of them: half a second to compile wherever it is seen
+  std::unique_ptr<Options> options_;
   std::map<std::string, std::vector<std::string>> words_;
   mutable std::set<std::string> read_;                     ///< options that the command has asked for
   std::map<std::string, std::vector<double>> quantities_;  ///< numbers typed with or without prefix and unit

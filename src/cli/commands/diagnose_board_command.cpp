@@ -28,8 +28,7 @@ void declare_board(CommandLine& line) {
   line.option<std::string>("data",
                            "measured from input to output: frequency_hz, magnitude_db (or gain), phase_deg "
                            "where measured");
-  line.repeatable<std::string>("node",
-                               "NODE=FILE.csv: the same measured from the input to a node; may be repeated");
+  line.repeatable("node", "NODE=FILE.csv: the same measured from the input to a node; may be repeated");
   const faults::Spread spread;
   line.group("What is known of the parts and of the measurement");
   add_tolerance_options(line, spread);

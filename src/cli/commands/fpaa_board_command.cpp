@@ -20,7 +20,7 @@ namespace {
 
 void add_project_options(CommandLine& line) {
   line.option<std::string>("api", "ApiCode.c of the project that the CAMs were typed into");
-  line.repeatable<std::string>("map", "PLAN=TABLE: name of a plan's capacitor in the project's tables");
+  line.repeatable("map", "PLAN=TABLE: name of a plan's capacitor in the project's tables");
   line.flag("no-clocks", "leave the clock divisors alone");
 }
 

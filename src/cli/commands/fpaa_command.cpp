@@ -48,7 +48,7 @@ void add_stream_options(CommandLine& line) {
   line.flag("stream",
             "also complete configuration streams of the chips, without any vendor program: stream/chipN.ahf, "
             "primary.c, packets.bin, and how to power on for the first time");
-  line.repeatable<std::string>("pin", "with --stream: I/O cell of a pin, e.g. chip1.out1=IO3");
+  line.repeatable("pin", "with --stream: I/O cell of a pin, e.g. chip1.out1=IO3");
 }
 
 /// Nothing without --stream. The plan learns which I/O cell is which pin. Throws DesignError when no stream can

@@ -161,8 +161,7 @@ void add_verify_options(CommandLine& line) {
   line.option<std::string>("sections", "sections.json: also what the bytes would do against these");
   line.option<std::string>("input", "the pin where the signal enters, e.g. chip1.IO1 (default: the plan's)");
   line.option<std::string>("output", "the pin where it leaves");
-  line.repeatable<std::string>("wire",
-                               "a wire outside the chips when no plan says so, e.g. chip1.IO3=chip2.IO1");
+  line.repeatable("wire", "a wire outside the chips when no plan says so, e.g. chip1.IO3=chip2.IO1");
   line.band("lower end of the band (default: the plan's, or the sections')", "its upper end");
   line.option<double>(
       "max-error-percent",

@@ -106,7 +106,7 @@ void describe_options(CommandLine& line) {
   std::vector<std::string> names = hysteresis::model_type_registry().name_list();
   names.insert(names.end(), {kLinear, "all"});
   line.words("model", std::move(names));
-  line.repeatable<std::string>("holdout", "record that is not fitted, only compared with (repeatable)");
+  line.repeatable("holdout", "record that is not fitted, only compared with (repeatable)");
   line.option<std::string>("method", "best, paper (what the model's own paper does), or both in one table",
                            "best");
   line.words("method", {"best", "paper", "both"});

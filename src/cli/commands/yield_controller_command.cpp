@@ -23,8 +23,8 @@ void declare_yield_controller(CommandLine& line) {
   line.option<std::string>("opamp", "type of the op-amps (default: that of the controller)");
   line.option<std::uint64_t>("draws", "number of copies", 1000);
   line.option<int>("trims", "number of potentiometers, at most", 3);
-  line.repeatable<std::string>(
-      "error", "NAME=VALUE, how far parts are off (names: part_errors.json, errors_of_parts.assumed)");
+  line.repeatable("error",
+                  "NAME=VALUE, how far parts are off (names: part_errors.json, errors_of_parts.assumed)");
   line.option<double>("max-p95-percent", "exit with 1 when the untrimmed 95 % are above this");
   line.flag("full-stroke", "leave the amplitude gains out: a smaller circuit, for full strokes only");
   line.flag("allow-unstable", "go on with a phase margin below 30 degrees");

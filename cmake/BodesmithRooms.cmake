@@ -54,6 +54,16 @@ function(bodesmith_compile target cold)
   endif()
 endfunction()
 
+# A program of few files that is not shipped, compiled quickly and, that it may share the headers of cold rooms, with the option of
+# libraries (-fPIC; CMake then links it to fixed addresses).
+function(bodesmith_small_program target)
+  bodesmith_compile(${target} TRUE)
+  if(BODESMITH_SHARED_HEADERS)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${target} PRIVATE -fPIC)
+  endif()
+endfunction()
+
 # COLD: the whole room is not where the time goes when the program runs; COLD_FOLDERS: these folders of it are not.
 function(bodesmith_room name)
   cmake_parse_arguments(ROOM "COLD" "" "COLD_FOLDERS;USES;PUBLIC;PRIVATE" ${ARGN})

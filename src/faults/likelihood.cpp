@@ -1,12 +1,12 @@
 #include "faults/likelihood.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "base/whole_number.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::faults {
 namespace {
@@ -143,7 +143,7 @@ Likelihood::Likelihood(const Board& board, const Prediction& prediction, const N
 Likelihood::Likelihood(const Board& board, const Prediction& prediction, const Noise& noise,
                        double part_spread, const Eigen::VectorXd& around, const Likelihood& left) {
   set(board, prediction, noise, part_spread, &left);
-  residual_ += slopes_ * around;
+  residual_ += times(slopes_, around);
 }
 
 Eigen::VectorXd Likelihood::second_order(const Board& board, const Eigen::MatrixXcd& slopes,
@@ -159,8 +159,8 @@ Eigen::VectorXd Likelihood::second_order(const Board& board, const Eigen::Matrix
     real.row(u).setZero();
     imaginary.row(u).setZero();
   }
-  left->factor_.triangularView<Eigen::Lower>().solveInPlace(real);
-  left->factor_.triangularView<Eigen::Lower>().solveInPlace(imaginary);
+  real = solve_lower(left->factor_, real);
+  imaginary = solve_lower(left->factor_, imaginary);
   return 0.5 * ((real.colwise().squaredNorm() + imaginary.colwise().squaredNorm()).transpose() + others);
 }
 
@@ -203,15 +203,14 @@ void Likelihood::set(const Board& board, const Prediction& prediction, const Noi
     if (residual.has_phase[std_index(k)] != 0) slopes_.row(row++) = slopes.imag().row(k);
   }
   weighted_ = slopes_.transpose() * weight_.asDiagonal();
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(slopes.cols(), slopes.cols());
-  normal.noalias() += weighted_ * slopes_;
-  factor_ = normal.llt().matrixL();
+  factor_ =
+      cholesky_factor(Eigen::MatrixXd::Identity(slopes.cols(), slopes.cols()) + times(weighted_, slopes_));
   log_determinant_ = 2.0 * factor_.diagonal().array().log().sum() - weight_.array().log().sum() +
                      static_cast<double>(rows) * std::log(2.0 * std::numbers::pi);
 }
 
 Eigen::VectorXd Likelihood::solved(const Eigen::VectorXd& a) const {
-  Eigen::VectorXd out = weighted_ * a;
+  Eigen::VectorXd out = times(weighted_, a);
   factor_.triangularView<Eigen::Lower>().solveInPlace(out);
   return out;
 }
@@ -236,7 +235,7 @@ Eigen::VectorXd Likelihood::errors() const {
 }
 
 Eigen::VectorXd Likelihood::remaining() const {
-  return residual_ - slopes_ * errors();
+  return residual_ - times(slopes_, errors());
 }
 
 }  // namespace bodesmith::faults

@@ -1,6 +1,5 @@
 #include "hysteresis/fractional_dynamic.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -138,9 +137,11 @@ void FractionalOperator::prepare(double dt_s) {
   const Eigen::MatrixXd even = per_size.asDiagonal() * (a * dt_s) * size.asDiagonal();
   plant_decay_ = size.asDiagonal() * Eigen::Matrix3d(matrix_exponential(even)) * per_size.asDiagonal();
   // Constant and ramp inputs: a g0 = (e^{ah} − 1) b, a g1 = (g0 − h b)/h.
-  const Eigen::PartialPivLU<Eigen::Matrix3d> lu(a);
-  const Eigen::Vector3d g0 = lu.solve((plant_decay_ - Eigen::Matrix3d::Identity()) * b);
-  const Eigen::Vector3d g1 = lu.solve(g0 - dt_s * b) / dt_s;  // answer to t/h
+  const auto solved = [](const Eigen::MatrixXd& m, const Eigen::VectorXd& right) {
+    return solve_lu(m, right);
+  };
+  const Eigen::Vector3d g0 = solved(a, (plant_decay_ - Eigen::Matrix3d::Identity()) * b);
+  const Eigen::Vector3d g1 = solved(a, g0 - dt_s * b) / dt_s;  // answer to t/h
   input_0_ = spread_.direct * g0;
   input_1_ = spread_.direct * g1;
   for (std::size_t k = 0; k < lag_.size(); ++k) {
@@ -151,8 +152,7 @@ void FractionalOperator::prepare(double dt_s) {
     hold_1_[k] = x > 1e-3 ? (dt_s - hold_0_[k]) / x : dt_s * (0.5 - x * (1.0 / 6.0 - x / 24.0));
     // ∫ e^{a(h−t)} b e^{−σt} dt.
     const Eigen::Matrix3d shifted = a + sigma * Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d g =
-        shifted.partialPivLu().solve((plant_decay_ - decay_[k] * Eigen::Matrix3d::Identity()) * b);
+    const Eigen::Vector3d g = solved(shifted, (plant_decay_ - decay_[k] * Eigen::Matrix3d::Identity()) * b);
     from_lag_.col(static_cast<Eigen::Index>(k)) = spread_.weight[k] * g;
     // A section's forced part: (1 − e^{−σt})/σ for the constant, (t − (1 − e^{−σt})/σ)/(σ h) for the ramp.
     const double w = spread_.weight[k] / sigma;

@@ -159,8 +159,8 @@ class StepProgram {
     if (least_squares_) {
       const double root = std::sqrt(static_cast<double>(errors));
       const double scale = radius / unit / root;
-      p.q.topLeftCorner(n, n) = scale * scale * at.slope.transpose() * at.slope;
-      p.c.head(n) = scale * at.slope.transpose() * at.error / unit / root;
+      p.q.topLeftCorner(n, n) = scale * scale * gram(at.slope);
+      p.c.head(n) = scale * transpose_times(at.slope, at.error) / unit / root;
     } else {
       // -t <= error <= t.
       p.c(level) = 1.0;

@@ -13,6 +13,7 @@
 #include "fit/waveform/waveform_problem.hpp"
 #include "lti/section_making.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/optimisation/constrained_programs.hpp"
 #include "numeric/optimisation/minimum.hpp"
 
@@ -40,10 +41,10 @@ QuadraticProgram worst_step_program(const WaveformProblem& problem, const RootMo
   MatrixXd slope;
   for (Index i = 0; i < share.size(); ++i) {
     problem.error(model, theta, std_index(i), e, &slope);
-    p.a.block(i, 0, 1, n) = (2.0 * radius / worst) * (slope.transpose() * e).transpose();
+    p.a.block(i, 0, 1, n) = (2.0 * radius / worst) * transpose_times(slope, e).transpose();
     p.a(i, n) = -1.0;
     p.b(i) = -e.squaredNorm() / worst;
-    p.q.topLeftCorner(n, n) += (2.0 * share(i) * radius * radius / worst) * slope.transpose() * slope;
+    p.q.topLeftCorner(n, n) += (2.0 * share(i) * radius * radius / worst) * gram(slope);
   }
   p.a.bottomLeftCorner(box.b.size(), n) = box.a;
   p.b.tail(box.b.size()) = box.b;

@@ -239,8 +239,7 @@ class SharedHarmonics {
 /// The least squares problem for any weights of the frequencies; what does not depend on these is made once.
 class WeightedProblem {
  public:
-  explicit WeightedProblem(const WaveformProblem& problem)
-      : map_(problem.map().matrix()), gram_(map_.transpose() * map_) {
+  explicit WeightedProblem(const WaveformProblem& problem) : map_(problem.map().matrix()), gram_(gram(map_)) {
     const SharedHarmonics shared(problem.operating());
     unknowns_ = shared.unknowns();
     for (std::size_t i = 0; i < problem.count(); ++i) {
@@ -249,7 +248,7 @@ class WeightedProblem {
       problem.map().apply(Eigen::VectorXcd::Zero(kSearchHarmonics + 1), nullptr, problem.gains(i), e,
                           nullptr);
       target_.push_back(-e);
-      pull_.push_back(map_.transpose() * target_.back());
+      pull_.push_back(transpose_times(map_, target_.back()));
       auto& place = place_.emplace_back();
       for (Index a = 0; a < map_.cols(); ++a) place.push_back(shared.unknown(i, a));
     }

@@ -135,9 +135,10 @@ class MapMaker {
     MatrixXd a = MatrixXd::Zero(size, size);
     MatrixXd right_q = MatrixXd::Zero(size, out_.charges);
     MatrixXd right_u = MatrixXd::Zero(size, inputs);
-    a.topRows(out_.charges) = sums * capacitance_ * by_unknown;
+    const MatrixXd charges = times(sums, capacitance_);
+    a.topRows(out_.charges) = times(charges, by_unknown);
     right_q.topRows(out_.charges).setIdentity();
-    right_u.topRows(out_.charges) = -(sums * capacitance_ * by_input);
+    right_u.topRows(out_.charges) = -times(charges, by_input);
     for (Index k = 0; k < opamps; ++k) {
       const SwitchedNetwork::OpAmp& amp = network_.opamps[static_cast<std::size_t>(k)];
       a.row(out_.charges + k) = by_unknown.row(amp.minus) - by_unknown.row(amp.plus);
@@ -153,8 +154,9 @@ class MapMaker {
     const MatrixXd from_u = lu.solve(right_u);
     out_.volts_q = from_q.bottomRows(opamps);
     out_.volts_u = from_u.bottomRows(opamps);
-    out_.nodes_q = capacitance_ * by_unknown * from_q;
-    out_.nodes_u = capacitance_ * (by_unknown * from_u + by_input);
+    const MatrixXd by_capacitors = times(capacitance_, by_unknown);
+    out_.nodes_q = times(by_capacitors, from_q);
+    out_.nodes_u = times(by_capacitors, from_u) + times(capacitance_, by_input);
     if (with_noise) add_opamp_noise(a, by_unknown);
   }
 
@@ -177,7 +179,8 @@ class MapMaker {
     for (Index i = 0; i < slow; ++i) {
       const SwitchedNetwork::OpAmp& amp =
           network_.opamps[static_cast<std::size_t>(out.of[static_cast<std::size_t>(i)])];
-      back.row(i) = (by_unknown.row(amp.minus) - by_unknown.row(amp.plus)) * unknown;
+      const Eigen::VectorXd across = by_unknown.row(amp.minus) - by_unknown.row(amp.plus);
+      back.row(i) = transpose_times(unknown, across);
       rate(i) = amp.gain_bandwidth.rad_s().value;
       intensity(i) = 0.5 * amp.noise_per_hz * rate(i) * rate(i);
     }
@@ -186,7 +189,7 @@ class MapMaker {
     if (!(out.slowest_s >= 0.0) || std::isinf(out.slowest_s))
       throw DesignError("the op-amps do not settle in a phase, expected bandwidths with which they do");
     out.volts = unknown.bottomRows(static_cast<Index>(network_.opamps.size()));
-    out.nodes = capacitance_ * by_unknown * unknown;
+    out.nodes = times(times(capacitance_, by_unknown), unknown);
     out.settling_s = solve_lu_columns(towards_rest, MatrixXd::Identity(slow, slow));
     out.covariance = stationary_covariance(-towards_rest, intensity.asDiagonal());
   }
@@ -221,8 +224,8 @@ class MapMaker {
     Index rank = 0;
     while (rank < e.rows() && svd.values(rank) > 1e-12 * svd.values(0)) ++rank;
     const Index rest = e.rows() - rank;
-    const MatrixXd gt = svd.u.transpose() * g * svd.v;
-    const MatrixXd bt = svd.u.transpose() * b;
+    const MatrixXd gt = times(times(svd.u.transpose(), g), svd.v);
+    const MatrixXd bt = times(svd.u.transpose(), b);
     // z = back y where there is no capacitance (and white noise, which no capacitor keeps).
     MatrixXd back = MatrixXd::Zero(rest, rank);
     MatrixXd direct = MatrixXd::Zero(rest, b.cols());
@@ -232,12 +235,14 @@ class MapMaker {
       direct = least_norm_columns(algebraic, bt.bottomRows(rest));
     }
     const Eigen::VectorXd inverted = svd.values.head(rank).cwiseInverse();
-    const MatrixXd a =
-        -(inverted.asDiagonal() * (gt.topLeftCorner(rank, rank) + gt.topRightCorner(rank, rest) * back));
-    const MatrixXd f = inverted.asDiagonal() * (bt.topRows(rank) - gt.topRightCorner(rank, rest) * direct);
-    const MatrixXd y = svd.v.leftCols(rank) + svd.v.rightCols(rest) * back;
-    const MatrixXd charges = capacitance_(Eigen::all, unknown.voltages) * y;
-    out_.noise = charges * stationary_covariance(a, 2.0 * f * f.transpose()) * charges.transpose();
+    const MatrixXd across = gt.topRightCorner(rank, rest);
+    const MatrixXd a = -(inverted.asDiagonal() * (gt.topLeftCorner(rank, rank) + times(across, back)));
+    const MatrixXd f = inverted.asDiagonal() * (bt.topRows(rank) - times(across, direct));
+    const MatrixXd y = svd.v.leftCols(rank) + times(svd.v.rightCols(rest), back);
+    const MatrixXd charges = times(capacitance_(Eigen::all, unknown.voltages), y);
+    const MatrixXd covariance = stationary_covariance(a, 2.0 * gram(f.transpose()));
+    const MatrixXd to_charges = charges.transpose();
+    out_.noise = times(times(charges, covariance), to_charges);
   }
 
   struct NoiseUnknowns {

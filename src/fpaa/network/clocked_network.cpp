@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/error.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -71,8 +72,8 @@ ClockedNetwork::ClockedNetwork(const SwitchedNetwork& network, std::vector<std::
   }
   for (std::size_t i = 0; i < intervals_.size(); ++i) {
     const Eigen::MatrixXd sums = regrouped(*at[(i + 1) % at.size()]);
-    intervals_[i].m = sums * at[i]->nodes_q;
-    intervals_[i].n = sums * at[i]->nodes_u;
+    intervals_[i].m = times(sums, at[i]->nodes_q);
+    intervals_[i].n = times(sums, at[i]->nodes_u);
     if (with_noise) add_noise(intervals_[i], *at[i], *at[(i + 1) % at.size()], sums);
   }
 }
@@ -85,16 +86,17 @@ void ClockedNetwork::add_noise(Interval& interval, const ChargeMap& here, const 
   const ChargeMap::OpAmpNoise& before = here.opamps;
   const ChargeMap::OpAmpNoise& after = next.opamps;
   const auto read = static_cast<Eigen::Index>(output_);
-  const Eigen::MatrixXd left = sums * before.nodes;
-  const Eigen::MatrixXd of_left = left * before.covariance;  // covariance of what is left with x
-  interval.noise = sums * here.noise * sums.transpose() + of_left * left.transpose();
-  const Eigen::RowVectorXd volts = before.volts.row(read);
-  const Eigen::VectorXd about = before.covariance * (before.settling_s.transpose() * volts.transpose());
+  const Eigen::MatrixXd left = times(sums, before.nodes), right = left.transpose();
+  const Eigen::MatrixXd of_left = times(left, before.covariance);  // covariance of what is left with x
+  const Eigen::MatrixXd to_sums = sums.transpose(), with_left = of_left.transpose();
+  interval.noise = times(times(sums, here.noise), to_sums) + times(of_left, right);
+  const Eigen::VectorXd volts = before.volts.row(read);
+  const Eigen::VectorXd about = times(before.covariance, transpose_times(before.settling_s, volts));
   interval.direct_noise_s = 2.0 * volts.dot(about);
   const Eigen::MatrixXd goes_on =
-      of_left.transpose() - next.volts_q(after.of, Eigen::all) * left * of_left.transpose();
-  interval.noise_about_end_s =
-      left * about + (after.volts.row(read) * after.settling_s * goes_on).transpose();
+      with_left - times(times(next.volts_q(after.of, Eigen::all), left), with_left);
+  const Eigen::VectorXd settling = transpose_times(after.settling_s, after.volts.row(read));
+  interval.noise_about_end_s = times(left, about) + transpose_times(goes_on, settling);
 }
 
 }  // namespace bodesmith::fpaa

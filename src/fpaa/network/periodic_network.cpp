@@ -271,11 +271,11 @@ bool PeriodicNetworks::lay_pieces(Node& node) const {
 void PeriodicNetworks::find_loop(Node& node) {
   MatrixXd once =
       MatrixXd::Identity(node.clocked.intervals()[0].m.cols(), node.clocked.intervals()[0].m.cols());
-  for (const auto& interval : node.clocked.intervals()) once = interval.m * once;
+  for (const auto& interval : node.clocked.intervals()) once = times(interval.m, once);
   node.loop = MatrixXd::Identity(once.rows(), once.cols());
   for (std::int64_t turns = node.period / node.clocked.period(); turns > 0; turns /= 2) {
-    if (turns % 2 == 1) node.loop = once * node.loop;
-    once = MatrixXd(once * once);
+    if (turns % 2 == 1) node.loop = times(once, node.loop);
+    once = times(once, once);
   }
 }
 
@@ -532,7 +532,7 @@ class PeriodicNetworks::NoisePass {
     const Node& node = board_.nodes_[n];
     const double whole = static_cast<double>(node.period) * static_cast<double>(turns_[n]);
     MatrixXd loop = MatrixXd::Identity(node.loop.rows(), node.loop.cols());
-    for (std::size_t turn = 0; turn < turns_[n]; ++turn) loop = MatrixXd(node.loop * loop);
+    for (std::size_t turn = 0; turn < turns_[n]; ++turn) loop = times(node.loop, loop);
     VectorXcd q = VectorXcd::Zero(loop.rows());  // owed to the charges at the end of the piece at hand
     for (std::size_t at = owed_[n].size(); at-- > 0;) back(n, at, q);
     // Owed at the end: what is owed at the beginning, a period later.

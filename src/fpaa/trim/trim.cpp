@@ -72,8 +72,8 @@ MatrixXd log_slopes(const DrawnBoard& board, const std::vector<double>& units, b
 /// The deviation of the measurement under which it is most likely: y is normal with covariance
 /// A A' + s^2 1, A = S times the prior's deviations.
 double likeliest_noise(const MatrixXd& a, const VectorXd& y) {
-  const SymmetricEigen eigen = symmetric_eigen(a * a.transpose());
-  const VectorXd along = eigen.vectors.transpose() * y;
+  const SymmetricEigen eigen = symmetric_eigen(gram(a.transpose()));
+  const VectorXd along = transpose_times(eigen.vectors, y);
   double best = kLeastNoise;
   double best_score = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < kTrimNoisePoints; ++i) {
@@ -256,16 +256,15 @@ BoardEstimate estimate_board(const Plan& plan, const MeasuredBoard& measured, co
     const VectorXd difference = log_difference(board, units, measured);
     if (pass == 0) check_related(difference, static_cast<Index>(measured.grid.size()));
     // In units of the prior's deviations: y = A u + noise, u standard normal.
-    const VectorXd y = difference + slopes * x;
+    const VectorXd y = difference + times(slopes, x);
     const MatrixXd a = slopes * prior.asDiagonal();
     out.noise = measured.deviation.value_or(likeliest_noise(a, y));
     const double weight = 1.0 / std::pow(std::max(out.noise, kLeastNoise), 2);
-    const MatrixXd precision = MatrixXd::Identity(count, count) + weight * (a.transpose() * a);
-    const Eigen::LLT<MatrixXd> cholesky(precision);
-    x = prior.asDiagonal() * cholesky.solve(weight * (a.transpose() * y));
+    const MatrixXd precision = MatrixXd::Identity(count, count) + weight * gram(a);
     // P = D precision^-1 D: D L'^-1 is a root of it.
-    factor = cholesky.matrixU().solve(MatrixXd::Identity(count, count));
-    factor = (prior.asDiagonal() * factor).eval();
+    const MatrixXd inverted = solve_lower(cholesky_factor(precision), MatrixXd::Identity(count, count));
+    factor = prior.asDiagonal() * inverted.transpose();
+    x = weight * times(factor, times(inverted, transpose_times(a, y)));
   }
   for (Index c = 0; c < count; ++c) {
     out.error.push_back(x(c));

@@ -6,6 +6,8 @@
 
 #include "base/whole_number.hpp"
 
+template void Eigen::PartialPivLU<Eigen::MatrixXd>::compute();
+
 namespace bodesmith {
 namespace {
 
@@ -33,6 +35,14 @@ Eigen::VectorXd times(const Eigen::MatrixXd& a, const Eigen::VectorXd& v) {
 
 Eigen::MatrixXd times(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return a * b;
+}
+
+Eigen::MatrixXd cholesky_factor(const Eigen::MatrixXd& a) {
+  return a.llt().matrixL();
+}
+
+Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& l, const Eigen::MatrixXd& b) {
+  return l.triangularView<Eigen::Lower>().solve(b);
 }
 
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {

@@ -18,6 +18,11 @@ Eigen::VectorXd transpose_times(const Eigen::MatrixXd& a, const Eigen::VectorXd&
 Eigen::VectorXd times(const Eigen::MatrixXd& a, const Eigen::VectorXd& v);
 Eigen::MatrixXd times(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
+/// L of A = L Lᵀ for a symmetric positive definite A, zeros above.
+Eigen::MatrixXd cholesky_factor(const Eigen::MatrixXd& a);
+/// X of L X = B, L lower triangular.
+Eigen::MatrixXd solve_lower(const Eigen::MatrixXd& l, const Eigen::MatrixXd& b);
+
 /// x of A x = b for a symmetric positive (semi)definite A, by LDLᵀ.
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 /// The same for every column of B.

@@ -28,11 +28,25 @@ Vector to_eigen(const LongVector& b) {
   return Eigen::Map<const Vector>(b.data(), eigen_index(b.size()));
 }
 
+using Qr = Eigen::ColPivHouseholderQR<Matrix>;
+
+/// qr.solve(b), one reflection after the other: Eigen compiles its blocks of them for many right sides with it, for seconds.
+Vector solve(const Qr& qr, Vector b) {
+  const Eigen::Index rank = qr.nonzeroPivots();
+  Real room;
+  for (Eigen::Index k = 0; k < rank; ++k) {
+    const Eigen::Index rest = b.size() - k;
+    b.tail(rest).applyHouseholderOnTheLeft(qr.matrixQR().col(k).tail(rest - 1), qr.hCoeffs()(k), &room);
+  }
+  Vector x = Vector::Zero(qr.cols());
+  x.head(rank) = qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solve(b.head(rank));
+  return qr.colsPermutation() * x;
+}
+
 Vector solve(const Matrix& a, const Vector& b) {
-  const Eigen::ColPivHouseholderQR<Matrix> qr(a);
-  Vector x = qr.solve(b);
-  x += qr.solve(b - a * x);
-  return x;
+  const Qr qr(a);
+  const Vector x = solve(qr, b);
+  return x + solve(qr, b - a * x);
 }
 
 }  // namespace
@@ -43,10 +57,10 @@ LongVector least_squares(const LongMatrix& a, const LongVector& b) {
 }
 
 LongMatrix least_squares_inverse(const LongMatrix& a) {
-  const Eigen::ColPivHouseholderQR<Matrix> qr(to_eigen(a));
+  const Qr qr(to_eigen(a));
   LongMatrix out(std_index(qr.cols()), LongVector(a.size()));
   for (std::size_t k = 0; k < a.size(); ++k) {
-    const Vector column = qr.solve(Vector(Vector::Unit(qr.rows(), eigen_index(k))));
+    const Vector column = solve(qr, Vector::Unit(qr.rows(), eigen_index(k)));
     for (std::size_t i = 0; i < out.size(); ++i) out[i][k] = column(eigen_index(i));
   }
   return out;

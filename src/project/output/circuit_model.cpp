@@ -128,7 +128,7 @@ void fit_biquad(Block& section, const std::vector<Hertz>& grid, const std::vecto
       }
     }
   }
-  const Eigen::VectorXd x = solve_ldlt(m.transpose() * m, m.transpose() * right);
+  const Eigen::VectorXd x = solve_ldlt(gram(m), transpose_times(m, right));
   const double up = 1.0 / std::sqrt(x(4));
   section.set("lowpass_gain", x(0))
       .set("bandpass_gain", x(1) * up)

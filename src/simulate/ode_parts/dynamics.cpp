@@ -1,9 +1,9 @@
 // Smooth nonlinear dynamics, x' = A x + b u + constant + e n(x, u), y = c x + d u + offset.
 // x' = A x + b u + constant, y = c x + d u + offset.
-#include <Eigen/LU>
 
 #include "lti/state_space.hpp"
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/lu.hpp"
 #include "simulate/ode_parts/ode_part.hpp"
 
 namespace bodesmith::simulate {

@@ -1,9 +1,9 @@
 #include "synthesis/ladders/rc_ladder.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <map>
+
+#include "numeric/linear_algebra/dense.hpp"
 
 namespace bodesmith::synthesis {
 
@@ -14,7 +14,7 @@ std::complex<double> RcImpedance::operator()(std::complex<double> s) const {
 }
 
 RcImpedance impedance_of(const std::vector<LadderPart>& parts) {
-  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  using Eigen::MatrixXd;
   std::map<std::string, Eigen::Index> places = {{"b", -1}, {"a", 0}};
   Eigen::Index nodes = 1, capacitors = 0;
   for (const LadderPart& one : parts) {
@@ -22,38 +22,35 @@ RcImpedance impedance_of(const std::vector<LadderPart>& parts) {
       nodes += places.try_emplace(node, nodes).second ? 1 : 0;
     capacitors += one.resistor ? 0 : 1;
   }
-  // Conductances between the nodes, b at ground; the capacitors' ends and inverse values.
-  Matrix siemens = Matrix::Zero(nodes, nodes), ends = Matrix::Zero(nodes, capacitors);
-  Matrix elastance = Matrix::Zero(capacitors, capacitors);
+  // Conductances between the nodes, b at ground; the capacitors' ends and roots of their inverse values.
+  MatrixXd siemens = MatrixXd::Zero(nodes, nodes), ends = MatrixXd::Zero(nodes, capacitors);
+  MatrixXd root = MatrixXd::Zero(capacitors, capacitors);
   Eigen::Index k = 0;
   for (const LadderPart& one : parts) {
-    Matrix along = Matrix::Zero(nodes, 1);
-    if (const Eigen::Index at = places.at(one.from); at >= 0) along(at) += 1.0L;
-    if (const Eigen::Index at = places.at(one.to); at >= 0) along(at) -= 1.0L;
+    Eigen::VectorXd along = Eigen::VectorXd::Zero(nodes);
+    if (const Eigen::Index at = places.at(one.from); at >= 0) along(at) += 1.0;
+    if (const Eigen::Index at = places.at(one.to); at >= 0) along(at) -= 1.0;
     if (one.resistor) {
       siemens += along * along.transpose() / one.value;
     } else {
       ends.col(k) = along;
-      elastance(k, k) = 1.0L / one.value;
+      root(k, k) = 1.0 / std::sqrt(one.value);
       ++k;
     }
   }
   const auto frequencies = [&](Eigen::Index seen) {
-    const Matrix at = ends.bottomRows(seen);
-    const Matrix ohm = at.transpose() * siemens.bottomRightCorner(seen, seen).llt().solve(at);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(elastance, ohm, Eigen::EigenvaluesOnly);
-    std::vector<double> out;
-    for (const long double value : solver.eigenvalues()) out.push_back(static_cast<double>(value));
-    return out;
+    const MatrixXd at = ends.bottomRows(seen);
+    const MatrixXd ohm = times(at.transpose(), solve_ldlt_columns(siemens.bottomRightCorner(seen, seen), at));
+    const Eigen::VectorXd values = symmetric_eigen(times(root, solve_ldlt_columns(ohm, root))).values;
+    return std::vector<double>(values.begin(), values.end());
   };
   // Z at the terminals less what the capacitors short at high frequencies.
-  Matrix all(nodes, capacitors + 1);
-  all << Matrix::Identity(nodes, 1), ends;
-  const Matrix z = all.transpose() * siemens.llt().solve(all);
-  const Matrix shorted =
-      z.bottomRightCorner(capacitors, capacitors).llt().solve(z.bottomLeftCorner(capacitors, 1));
-  return {frequencies(nodes), frequencies(nodes - 1),
-          static_cast<double>(z(0, 0) - (z.topRightCorner(1, capacitors) * shorted)(0, 0))};
+  MatrixXd all(nodes, capacitors + 1);
+  all << MatrixXd::Identity(nodes, 1), ends;
+  const MatrixXd z = times(all.transpose(), solve_ldlt_columns(siemens, all));
+  const Eigen::VectorXd at_terminals = z.bottomLeftCorner(capacitors, 1);
+  const Eigen::VectorXd shorted = solve_ldlt(z.bottomRightCorner(capacitors, capacitors), at_terminals);
+  return {frequencies(nodes), frequencies(nodes - 1), z(0, 0) - at_terminals.dot(shorted)};
 }
 
 }  // namespace bodesmith::synthesis

@@ -1,9 +1,9 @@
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "numeric/index.hpp"
+#include "numeric/linear_algebra/lu.hpp"
 #include "numeric/parallel_for.hpp"
 #include "numeric/random.hpp"
 #include "tolerance/controller/trim.hpp"

@@ -46,40 +46,16 @@ bool append_data(const matvar_t& variable, std::size_t count, std::vector<Comple
     if (im == nullptr) return false;
   }
   if (re == nullptr) return false;
-  switch (variable.data_type) {
-    case MAT_T_DOUBLE:
-      append_numbers<double>(re, im, count, out);
-      return true;
-    case MAT_T_SINGLE:
-      append_numbers<float>(re, im, count, out);
-      return true;
-    case MAT_T_INT8:
-      append_numbers<std::int8_t>(re, im, count, out);
-      return true;
-    case MAT_T_UINT8:
-      append_numbers<std::uint8_t>(re, im, count, out);
-      return true;
-    case MAT_T_INT16:
-      append_numbers<std::int16_t>(re, im, count, out);
-      return true;
-    case MAT_T_UINT16:
-      append_numbers<std::uint16_t>(re, im, count, out);
-      return true;
-    case MAT_T_INT32:
-      append_numbers<std::int32_t>(re, im, count, out);
-      return true;
-    case MAT_T_UINT32:
-      append_numbers<std::uint32_t>(re, im, count, out);
-      return true;
-    case MAT_T_INT64:
-      append_numbers<std::int64_t>(re, im, count, out);
-      return true;
-    case MAT_T_UINT64:
-      append_numbers<std::uint64_t>(re, im, count, out);
-      return true;
-    default:
-      return false;
-  }
+  const auto holds = [&]<class Number>(matio_types type, Number) {
+    if (variable.data_type != type) return false;
+    append_numbers<Number>(re, im, count, out);
+    return true;
+  };
+  return holds(MAT_T_DOUBLE, double()) || holds(MAT_T_SINGLE, float()) || holds(MAT_T_INT8, std::int8_t()) ||
+         holds(MAT_T_UINT8, std::uint8_t()) || holds(MAT_T_INT16, std::int16_t()) ||
+         holds(MAT_T_UINT16, std::uint16_t()) || holds(MAT_T_INT32, std::int32_t()) ||
+         holds(MAT_T_UINT32, std::uint32_t()) || holds(MAT_T_INT64, std::int64_t()) ||
+         holds(MAT_T_UINT64, std::uint64_t());
 }
 
 /// What a name may stand for and no vector is; it counts where the name is wanted.

@@ -91,6 +91,7 @@ def fit_cascade(
     beta_max: float | None = None,
     beta_positive: bool = False,
     fewest_bands_db: float | None = None,
+    surprise_db: float = 0.5,
     progress: Progress | None = None,
 ) -> Cascade:
     """A cascade of fractional compensators through target gains,
@@ -105,12 +106,14 @@ def fit_cascade(
         beta_max: bounded least squares, |β| at most this; without it every point above the base is met.
         beta_positive: with beta_max: 0 ≤ β.
         fewest_bands_db: the fewest bands that keep every point within this.
+        surprise_db: warn where the curve leaves the range of neighbouring points by more.
     """
     options = {
         "base_hz": base_hz,
         "beta_max": beta_max,
         "beta_positive": beta_positive,
         "fewest_bands_db": fewest_bands_db,
+        "surprise_db": surprise_db,
     }
     arrays = _point_arrays(frequency_hz, gain, magnitude_db, None, weight)
     return Cascade._from(call("fit_cascade", options, arrays, progress), frequency_hz)

@@ -15,13 +15,14 @@ namespace bodesmith::python {
 
 Answer fit_cascade(const Call& call) {
   const Node& o = call.options;
-  o.allow_only({"base_hz", "beta_max", "beta_positive", "fewest_bands_db"});
+  o.allow_only({"base_hz", "beta_max", "beta_positive", "fewest_bands_db", "surprise_db"});
   CascadeFitOptions options;
   if (const auto base = maybe_positive(o, "base_hz")) options.base = Hertz{*base};
   options.beta_max = maybe_positive(o, "beta_max");
   options.beta_positive = o.boolean_or("beta_positive", false);
   if (options.beta_positive && !options.beta_max) o.at("beta_positive").fail("needs beta_max");
   options.fewest_bands_db = maybe_positive(o, "fewest_bands_db");
+  options.surprise_db = positive_or(o, "surprise_db", options.surprise_db);
   const Stopwatch watch;
   const CascadeFit fit = bodesmith::fit_cascade(points_of(call), options);
   Answer out;

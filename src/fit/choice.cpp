@@ -64,7 +64,8 @@ Hertz worst_band_middle(const CascadeFit& fit, const std::vector<Hertz>& splits)
 
 ChartedFit fit_by_chart(const BodePoints& points, const CascadeFitOptions& options) {
   ChartedFit out{fit_cascade(points, options), {}};
-  if (options.bounded() || options.fewest_bands_db) return out;
+  if (options.bounded() || options.fewest_bands_db || options.fitted_terms > 0 || !options.corners.empty())
+    return out;
   const std::optional<std::string> unusable = why_unusable(out.fit);
   if (!unusable) return out;
   CascadeFitOptions bounded = options;

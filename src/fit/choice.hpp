@@ -28,7 +28,7 @@ struct ChartedFit {
 };
 /// Interpolation (eq. 18); where orders are beyond use, least squares with |beta| <= 5 (eq. 19); then the band that ends at
 /// the point with the largest error is split in two, as long as that takes a tenth off that error, four times at most. What is
-/// left is data of the fit. With bounds or the fewest bands asked for: that, and no chart.
+/// left is data of the fit. With bounds, corners or the fewest bands asked for: that, and no chart.
 ChartedFit fit_by_chart(const BodePoints& points, const CascadeFitOptions& options);
 
 /// The fewest poles that the cascade's terms can be approximated with.

@@ -121,6 +121,10 @@ TEST(Carlson, IsNewtonsIteration) {
   EXPECT_NO_THROW(make("carlson", 10, 1.5, 5));
 }
 
+TEST(Charef, SingularitiesAreOustaloupsOnceTheirNumberIsFixed) {
+  EXPECT_NEAR(error_db("charef", 200, 0.3, 5), error_db("oustaloup", 200, 0.3, 5), 1e-12);
+}
+
 TEST(RefinedOustaloup, RefusesWhatItCannotDo) {
   EXPECT_THROW(make("refined-oustaloup", 10, 0.5, 2), DesignError);
   EXPECT_LT(error_db("refined-oustaloup", 1e3, 0.5, 7), 0.5);

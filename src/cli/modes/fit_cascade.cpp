@@ -48,7 +48,7 @@ std::string cascade_summary(const CascadeFit& fit) {
   return text;
 }
 
-CascadeFitOptions read_cascade_options(const CommandLine& line) {
+CascadeFitOptions read_cascade_options(const CommandLine& line, Provenance& from) {
   CascadeFitOptions options;
   if (const auto base = line.maybe_positive("base-hz")) options.base = Hertz{*base};
   options.beta_max = line.maybe_positive("beta-max");
@@ -58,6 +58,11 @@ CascadeFitOptions read_cascade_options(const CommandLine& line) {
   options.beta_positive = line.has("beta-positive");
   if (options.beta_positive && !options.bounded())
     line.fail("--beta-positive needs --beta-max or --term-beta-max");
+  if (line.has("corners")) options.corners = Cascade::read(line.get<std::string>("corners"), from).terms;
+  if (line.has("fit-corners")) options.fitted_terms = line.integer("fit-corners", 1, 50);
+  if (!options.corners.empty() && options.fitted_terms > 0)
+    line.fail("--corners and --fit-corners exclude each other");
+  options.surprise_db = line.positive("surprise-db");
   if (line.has("fewest-bands")) {
     options.fewest_bands_db = line.maybe_positive("max-error-db");
     if (!options.fewest_bands_db) line.fail("--fewest-bands needs --max-error-db");
@@ -73,8 +78,18 @@ void add_cascade_options(CommandLine& line) {
   line.option<double>("beta-max",
                       "bounded fit (eq. 19): |beta| at most this; without it interpolation (eq. 18)");
   line.list<double>("term-beta-max", "a bound for every term instead (c_i of eq. 19), in their order");
+  line.option<std::string>("corners", "a cascade.json whose lambda and x are taken; the orders are fitted");
+  line.option<int>("fit-corners",
+                   "number of terms whose lambda and x are fitted too (at least three points each)");
   line.flag("beta-positive", "with a bound: 0 <= beta, as eq. 19 prints it (cannot follow a dip)");
   line.flag("fewest-bands", "with --max-error-db: the fewest bands that keep every point within it");
+  line.flag("allow-large-orders",
+            "write the interpolation even where an order is beyond use (|beta| above 20)");
+  line.option<double>(
+      "surprise-db",
+      "warn when the curve leaves the range of two neighbouring points, or depends on a single "
+      "point, by more than this",
+      0.5);
 }
 
 namespace {
@@ -119,22 +134,24 @@ int choose_other_fit(const CommandLine& line, const BodePoints& points, const Ca
 
 int fit_to_cascade(const CommandLine& line) {
   Provenance from;
-  const CascadeFitOptions options = read_cascade_options(line);
+  const CascadeFitOptions options = read_cascade_options(line, from);
   const BodePoints points = BodePoints::read_csv(line.files().front(), from);
-  if (points.points.size() > kMostPointsToInterpolate && !options.fewest_bands_db && !options.bounded())
+  const bool as_asked = options.bounded() || !options.corners.empty() || options.fitted_terms > 0;
+  const bool large = line.has("allow-large-orders");
+  if (points.points.size() > kMostPointsToInterpolate && !options.fewest_bands_db && !as_asked && !large)
     return choose_other_fit(
         line, points, options,
         fmt::format("{} points would make {} bands", points.points.size(), points.points.size() - 1), from);
   const Stopwatch watch;
   ChartedFit charted;
   // With a limit the interpolation is held against what meets it, without one the paper's chart goes on.
-  if (line.has("max-error-db"))
+  if (large || line.has("max-error-db"))
     charted.fit = fit_cascade(points, options);
   else
     charted = fit_by_chart(points, options);
   const double seconds = watch.seconds();
   const std::optional<std::string> unusable = why_unusable(charted.fit);
-  if (unusable && !options.bounded()) return choose_other_fit(line, points, options, *unusable, from);
+  if (unusable && !large && !as_asked) return choose_other_fit(line, points, options, *unusable, from);
   for (const std::string& step : charted.steps) note(step);
   return write_cascade(line, charted.fit, from, seconds, join(charted.steps, "; "));
 }

@@ -24,6 +24,12 @@ struct CascadeFitOptions {
   bool beta_positive = false;
   /// c_i of eq. 19: a bound of its own for every term, in their order; in place of beta_max.
   std::vector<double> term_beta_max{};
+  /// lambda_i and x_i of the terms as given (their beta is not looked at), in place of bands between points.
+  std::vector<FractionalLeadLag> corners{};
+  /// So many terms whose lambda_i and x_i are fitted too, from bands spread evenly over log frequency, by Levenberg and
+  /// Marquardt about the (bounded) least squares of their orders: a minimum near that start. Above 0: three numbers
+  /// a term, so at least three points for each.
+  int fitted_terms = 0;
   /// Further ends of bands, between points: what splits a band. The curve is held to the straight line (in log gain
   /// over log frequency) there with a weight of 1e-4, which decides what the points leave open.
   std::vector<Hertz> splits{};
@@ -32,6 +38,9 @@ struct CascadeFitOptions {
   /// Fewest bands: only some of the points start and end bands, the orders are fitted to all of them (least
   /// squares), and the fewest bands are taken with which the curve is within this of every point.
   std::optional<double> fewest_bands_db{};
+  /// A curve that leaves the range of its two neighbouring points by more than this is warned about, and so
+  /// is a point whose leaving out changes the curve by more than this.
+  double surprise_db = 0.5;
 };
 
 /// One band and what its order means.
@@ -79,7 +88,7 @@ struct CascadeFit {
   std::vector<CascadeFitTerm> terms;
   /// sensitivity[i][j]: change of beta_i when the target of fit point j grows by 1 %.
   std::vector<std::vector<double>> sensitivity;
-  std::vector<Excursion> excursions;     ///< those of half a decibel and more
+  std::vector<Excursion> excursions;     ///< those over surprise_db
   std::vector<LeftOutPoint> left_out;    ///< every interior point
   std::vector<Hertz> points_below_base;  ///< in the file, not fitted
   std::vector<std::string> warnings;     ///< sentences for a person
@@ -90,7 +99,7 @@ struct CascadeFit {
 
 /// Finds beta so that |G(j 2 pi f_i)| meets the target gains (disturbance paper, eq. 18 or 19), with
 ///   lambda_i = 1/(2 pi f_i), x_i = f_i / f_(i+1), f_0 = base, f_1... the points above it.
-/// Solved in nepers, in extended precision: by QR (interpolation) or by an active-set method for
+/// unless corners are given or fitted. Solved in nepers, in extended precision: by QR (interpolation) or by an active-set method for
 /// box-constrained least squares whose result carries its optimality certificate. Weights multiply the
 /// squared errors. Throws InputError when there is no point above the base, or beta_max is not above 0.
 CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& options = {});

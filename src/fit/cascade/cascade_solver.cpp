@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -9,15 +10,14 @@
 #include "base/text.hpp"
 #include "fit/cascade/cascade_bands.hpp"
 #include "fit/cascade/cascade_fit.hpp"
+#include "numeric/index.hpp"
+#include "numeric/optimisation/least_squares.hpp"
 
 namespace bodesmith {
 namespace {
 
 /// Leaving out every point in turn is quadratic work per point; beyond this many it is not done.
 constexpr std::size_t kMaxPointsToLeaveOut = 40;
-/// A curve that leaves the range of its two neighbouring points by more than this is warned about, and so is a point whose
-/// leaving out changes the curve by more.
-constexpr double kSurpriseDb = 0.5;
 /// An order above this is warned about: the paper bounds the fit at 5 when orders explode.
 constexpr double kLargeOrder = 10.0;
 /// Relative errors of the gains (some 1e-3) times this are as large as the orders themselves.
@@ -50,8 +50,9 @@ std::vector<std::vector<double>> order_sensitivities(const BandSolution& solutio
   return out;
 }
 
-/// Where the curve leaves what two neighbouring points span by more than kSurpriseDb.
-std::vector<Excursion> find_excursions(const BandSolution& solution, const CascadeProblem& problem) {
+/// Where the curve leaves what two neighbouring points span by more than surprise_db.
+std::vector<Excursion> find_excursions(const BandSolution& solution, const CascadeProblem& problem,
+                                       double surprise_db) {
   std::vector<Excursion> out;
   Hertz from = problem.base;
   double from_db = 0.0;
@@ -66,7 +67,7 @@ std::vector<Excursion> find_excursions(const BandSolution& solution, const Casca
         found.worst = f;
       }
     }
-    if (found.outside_db > kSurpriseDb) out.push_back(found);
+    if (found.outside_db > surprise_db) out.push_back(found);
     from = point.frequency;
     from_db = to_db;
   }
@@ -101,7 +102,7 @@ std::vector<LeftOutPoint> leave_out_each(const BandSolution& solution, const Cas
 }
 
 /// What of all this a person should read.
-std::vector<std::string> cascade_warnings(const CascadeFit& fit) {
+std::vector<std::string> cascade_warnings(const CascadeFit& fit, const CascadeFitOptions& options) {
   std::vector<std::string> out;
   for (const Excursion& e : fit.excursions) {
     out.push_back(fmt::format(
@@ -111,7 +112,7 @@ std::vector<std::string> cascade_warnings(const CascadeFit& fit) {
         rounded_text(e.outside_db, 3), engineering_text(e.worst.value, "Hz")));
   }
   for (const LeftOutPoint& l : fit.left_out) {
-    if (l.max_change_db <= kSurpriseDb) continue;
+    if (l.max_change_db <= options.surprise_db) continue;
     out.push_back(fmt::format(
         "the curve about {} is determined by this point alone: without it the error there is {} dB, "
         "and the curve changes by up to {} dB (at {})",
@@ -137,6 +138,51 @@ std::vector<std::string> cascade_warnings(const CascadeFit& fit) {
   return out;
 }
 
+constexpr double kSmallestRatio = 1e-3;
+constexpr double kLargestRatio = 0.999;  ///< at 1 a term is 1, whatever its order
+
+std::vector<FractionalLeadLag> terms_at(const Eigen::VectorXd& values) {
+  std::vector<FractionalLeadLag> out;
+  for (Eigen::Index i = 0; i + 1 < values.size(); i += 2) out.push_back({values(i), values(i + 1), 1.0});
+  return out;
+}
+
+/// CascadeFitOptions::fitted_terms terms whose corners are searched, within a decade beyond base and last point, and with
+/// ratios of up to 1000; bounds of the orders hold. Throws InputError when there are fewer than three points a term.
+BandSolution fit_corners(const CascadeProblem& problem, const CascadeFitOptions& options) {
+  const auto count = static_cast<std::size_t>(options.fitted_terms);
+  if (3 * count > problem.above.size())
+    throw InputError(
+        fmt::format("{} terms with fitted corners need {} points above the base, expected at most {} terms",
+                    count, 3 * count, problem.above.size() / 3));
+  const double base = problem.base.rad_s().value;
+  const double last = problem.above.back().frequency.rad_s().value;
+  const double ratio = std::pow(base / last, 1.0 / static_cast<double>(count));
+  std::vector<SearchVariable> unknowns;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double corner = base * std::pow(ratio, -static_cast<double>(i));
+    unknowns.push_back({1.0 / corner, 0.1 / last, 10.0 / base, true, 1.0});
+    unknowns.push_back({std::max(ratio, kSmallestRatio), kSmallestRatio, kLargestRatio, true, 1.0});
+  }
+  const Residuals residuals = [&](const Eigen::VectorXd& values, Eigen::VectorXd& out) {
+    const BandSolution solved = solve_orders(problem, terms_at(values), problem.above, options);
+    out.resize(eigen_index(problem.above.size()));
+    for (std::size_t i = 0; i < problem.above.size(); ++i) {
+      const BodePoint& point = problem.above[i];
+      out(eigen_index(i)) =
+          std::sqrt(point.weight) * (solved.curve_db(point.frequency) - problem.target_db(point));
+    }
+    return out.allFinite();
+  };
+  LeastSquaresOptions search;
+  search.max_iterations = 200;
+  search.cost_tolerance = 1e-10;
+  search.broyden = false;
+  const LeastSquaresResult found = least_squares(unknowns, residuals, search);
+  return solve_orders(problem, terms_at(found.values), problem.above, options);
+}
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr std::size_t kMaxBandsOfAll = 300;  ///< when every point ends a band
 
 void validate_bounds(const CascadeFitOptions& options) {
@@ -150,8 +196,10 @@ void validate_bounds(const CascadeFitOptions& options) {
   if (options.beta_positive && !options.bounded()) {
     throw InputError("a positive beta needs an upper bound, expected beta_max too");
   }
-  if (options.fewest_bands_db && !options.term_beta_max.empty())
-    throw InputError("the fewest bands have a number of their own: expected no bounds by term");
+  if (options.fewest_bands_db &&
+      (!options.term_beta_max.empty() || options.fitted_terms > 0 || !options.corners.empty()))
+    throw InputError(
+        "the fewest bands have corners and a number of their own: expected neither corners nor bounds by term");
   if (options.fewest_bands_db && !(*options.fewest_bands_db > 0.0)) {
     throw InputError("the limit for the fewest bands is not above 0");
   }
@@ -210,14 +258,19 @@ void keep_measured(std::vector<std::vector<double>>& sensitivity, const std::vec
   }
 }
 
-/// `ends`: of the bands.
+/// `ends`: of the bands; empty where the corners are not those of bands.
 std::vector<CascadeFitTerm> describe_terms(const BandSolution& solution, const CascadeProblem& problem,
                                            const std::vector<BodePoint>& ends,
                                            const std::vector<std::vector<double>>& sensitivity) {
   std::vector<CascadeFitTerm> out;
   for (std::size_t i = 0; i < solution.terms.size(); ++i) {
     CascadeFitTerm term;
-    term.band = {i == 0 ? problem.base : ends[i - 1].frequency, ends[i].frequency};
+    if (ends.empty()) {
+      const FractionalLeadLag& made = solution.terms[i];
+      term.band = {Hertz{made.low_corner().value / kTwoPi}, Hertz{made.high_corner().value / kTwoPi}};
+    } else {
+      term.band = {i == 0 ? problem.base : ends[i - 1].frequency, ends[i].frequency};
+    }
     term.beta = solution.terms[i].beta;
     term.rises = solution.terms[i].rises();
     term.at_bound = solution.bound[i] != 0;
@@ -247,7 +300,7 @@ Cascade::FitSummary summarise(const Cascade& cascade, const CascadeProblem& prob
   return out;
 }
 
-/// The fit's terms, what they were fitted to, and the ends of their bands.
+/// The fit's terms, what they were fitted to, and the ends of their bands where they have any.
 struct Solved {
   BandSolution solution;
   std::vector<BodePoint> fitted;
@@ -258,6 +311,14 @@ struct Solved {
 Solved solve(const BodePoints& points, const CascadeProblem& problem, const CascadeFitOptions& options) {
   Solved out;
   out.fitted = problem.above;
+  if (options.fitted_terms > 0) {
+    out.solution = fit_corners(problem, options);
+    return out;
+  }
+  if (!options.corners.empty()) {
+    out.solution = solve_orders(problem, options.corners, out.fitted, options);
+    return out;
+  }
   const BandChoice bands = band_ends(points, problem, options);
   out.ends = bands.ends;
   out.limit_met = bands.limit_met;
@@ -291,6 +352,7 @@ CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& option
   }
   out.optimality_residual = solution.optimality_residual;
   out.condition_number = condition_number(solution.matrix);
+  const bool bands_of_points = !solved.ends.empty() && options.splits.empty();
   const bool weighted = out.bounded || solution.terms.size() < solved.fitted.size();
   out.least_squares = !out.bounded && weighted;
   out.sensitivity = order_sensitivities(solution, solved.fitted, weighted);
@@ -300,11 +362,11 @@ CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& option
   out.cascade.terms = solution.terms;
   out.cascade.fit = summarise(out.cascade, problem, out.condition_number);
   out.base_got_db = solution.curve_db(problem.base);
-  out.excursions = find_excursions(solution, problem);
+  out.excursions = find_excursions(solution, problem, options.surprise_db);
   // With a point less there is a band less, and bounds by term fit no more.
-  if (options.splits.empty() && !out.fewest_bands && options.term_beta_max.empty())
+  if (bands_of_points && !out.fewest_bands && options.term_beta_max.empty())
     out.left_out = leave_out_each(solution, problem, options);
-  out.warnings = cascade_warnings(out);
+  out.warnings = cascade_warnings(out, options);
   return out;
 }
 

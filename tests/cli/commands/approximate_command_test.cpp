@@ -74,7 +74,7 @@ TEST(ApproximateCommand, EveryMethodWrites) {
   write_file(cascade,
              R"({"schema":"bodesmith.cascade/1","gain":2,"terms":[{"lambda_s":0.1,"x":0.1,"beta":-0.5}]})");
   for (const char* method :
-       {"oustaloup", "refined-oustaloup", "matsuda", "carlson", "pade", "minimax"}) {
+       {"oustaloup", "refined-oustaloup", "matsuda", "carlson", "pade", "charef", "minimax"}) {
     const std::string out = (folder / (std::string(method) + ".json")).string();
     const auto result =
         run_bodesmith("approximate " + cascade + " --order 4 --method " + method + " -o " + out);

@@ -219,6 +219,36 @@ TEST(CascadeFit, EveryTermHasItsOwnBound) {
   EXPECT_THROW(fit_cascade(kPaper, options), InputError);
 }
 
+TEST(CascadeFit, CornersAreGivenOrFitted) {
+  // Two terms that are not bands between points, drawn here.
+  const FractionalLeadLag truth[] = {{1.0 / (2 * M_PI * 3.0), 0.2, 0.7},
+                                     {1.0 / (2 * M_PI * 50.0), 0.1, -0.4}};
+  BodePoints points;
+  points.file = "drawn";
+  for (int i = 0; i <= 40; ++i) {
+    const double f = 0.1 * std::pow(10.0, i / 8.0);
+    double ln = 0.0;
+    for (const FractionalLeadLag& t : truth) {
+      const double w = 2 * M_PI * f * t.lambda_s;
+      ln += 0.5 * t.beta * (std::log1p(w * w) - std::log1p(t.x * t.x * w * w));
+    }
+    points.points.push_back({Hertz{f}, std::exp(ln), std::nullopt, 1.0, 0});
+  }
+  CascadeFitOptions given;
+  given.base = Hertz{0.01};
+  given.corners = {truth[0], truth[1]};
+  const CascadeFit fit = fit_cascade(points, given);
+  ASSERT_EQ(fit.terms.size(), 2u);
+  EXPECT_NEAR(fit.terms[0].beta, 0.7, 1e-10);
+  EXPECT_NEAR(fit.terms[1].beta, -0.4, 1e-10);
+  CascadeFitOptions fitted;
+  fitted.base = Hertz{0.01};
+  fitted.fitted_terms = 2;
+  EXPECT_LT(fit_cascade(points, fitted).cascade.fit->max_db, 0.02);
+  fitted.fitted_terms = 20;
+  EXPECT_THROW(fit_cascade(points, fitted), InputError);
+}
+
 TEST(CascadeFit, ThePapersChartBoundsAJumpAndSaysWhatIsLeft) {
   // As the disturbance paper's Fig. 10: hardly any change up to a jump at 4 kHz.
   const BodePoints jump =

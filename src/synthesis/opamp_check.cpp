@@ -30,7 +30,7 @@ class Loop {
 
   Complex gain(RadPerSecond w) const {
     stop_if_interrupted();
-    return schematic::return_ratios(equations_, circuit_, w)[opamp_];
+    return schematic::return_ratios(equations_, circuit_, {opamp_}, w).front();
   }
 
   /// Least over the crossings of |L| = 1 of 24 octaves below 3 gain-bandwidths, where the op-amp alone is far below 1.

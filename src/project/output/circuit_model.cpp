@@ -72,7 +72,7 @@ void add_opamps(const synthesis::Circuit& circuit, std::size_t stage, const Bloc
     const auto numerator = [&](double u) {
       const RadPerSecond at = Hertz{u * corner.value}.rad_s();
       return Complex(two ? 1.0 - u * u : 1.0, p1 * u) * circuit.opamp.open_loop(at) /
-             schematic::return_ratios(equations, circuit, at)[i];
+             schematic::return_ratios(equations, circuit, {i}, at).front();
     };
     PartChange one{.part = circuit.opamps[i].name};
     one.noise_gain = polynomial_of(numerator, two);

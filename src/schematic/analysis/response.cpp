@@ -173,23 +173,24 @@ const std::vector<Complex>& ResponseOfParts::at(std::span<const double> values) 
   return response_;
 }
 
-std::vector<Complex> return_ratios(const Equations& equations, const Netlist& netlist, RadPerSecond w) {
+std::vector<Complex> return_ratios(const Equations& equations, const Netlist& netlist,
+                                   const std::vector<std::size_t>& opamps, RadPerSecond w) {
   const SparseSystem s = equations.small_signal(w);
-  const Eigen::Index n = s.b.size(), count = eigen_index(netlist.opamps.size());
+  const Eigen::Index n = s.b.size(), count = eigen_index(opamps.size());
   Eigen::MatrixXcd b = Eigen::MatrixXcd::Zero(n, count);
-  for (Eigen::Index k = 0; k < count; ++k) b(equations.row_of_opamp(std_index(k)), k) = 1.0;
+  for (Eigen::Index k = 0; k < count; ++k) b(equations.row_of_opamp(opamps[std_index(k)]), k) = 1.0;
   const Eigen::MatrixXcd x = solve_sparse(s, b);
   std::vector<Complex> out;
   for (Eigen::Index k = 0; k < count; ++k) {
-    const OpAmp& one = netlist.opamps[std_index(k)];
+    const std::size_t opamp = opamps[std_index(k)];
+    const OpAmp& one = netlist.opamps[opamp];
     const OpAmpModel& model = netlist.model_of(one);
     const auto at = [&](const std::string& name) {
       const int place = equations.node(name);
       return place < 0 ? Complex(0.0) : x(place, k);
     };
     // Its own equation gives way to that of a source of 1 V: M x = e becomes (M + e (r - m)') y = e, y = x/(r'x).
-    const Complex own =
-        at(one.out) + model.output_resistance_ohm * x(equations.row_of_opamp(std_index(k)), k);
+    const Complex own = at(one.out) + model.output_resistance_ohm * x(equations.row_of_opamp(opamp), k);
     out.push_back(-model.open_loop(w) * (at(one.plus) - at(one.minus)) / own);
   }
   return out;

@@ -45,9 +45,10 @@ class ResponseOfParts {
   std::vector<Complex> response_;
 };
 
-/// Return ratio of each op-amp with all others at work, -A (v+ - v-) for its own source set to 1 V and the input at rest:
+/// Return ratio of each of these op-amps with all others at work, -A (v+ - v-) for its own source set to 1 V and the input at rest:
 /// 1 + T is what must not vanish. Every feedback is in it.
-std::vector<Complex> return_ratios(const Equations& equations, const Netlist& netlist, RadPerSecond w);
+std::vector<Complex> return_ratios(const Equations& equations, const Netlist& netlist,
+                                   const std::vector<std::size_t>& opamps, RadPerSecond w);
 
 /// d ln V(out)/d ln value of every resistor and capacitor at one frequency, by the adjoint network: with M x = b and
 /// M' y = e_out, d V(out) = -y' dM x, whatever the number of parts. 0 for other parts, and at a null of the response.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include "base/documents/json.hpp"
@@ -92,10 +93,12 @@ LoopAt look_at(const DisturbanceCircuit& controller, const LoopPoint& point, con
   out.point = point;
   std::vector<Complex> loop;
   std::vector<std::vector<Complex>> own(netlist.opamps.size());
+  std::vector<std::size_t> every(own.size());
+  std::iota(every.begin(), every.end(), 0);
   for (const Hertz f : grid) {
     loop.push_back(fed ? -cut.response(f.rad_s(), "v") : 0.0);
     out.greatest_gain = std::max(out.greatest_gain, std::abs(loop.back()));
-    const std::vector<Complex> ratios = schematic::return_ratios(closed, netlist, f.rad_s());
+    const std::vector<Complex> ratios = schematic::return_ratios(closed, netlist, every, f.rad_s());
     for (std::size_t k = 0; k < own.size(); ++k) own[k].push_back(ratios[k]);
   }
   const LoopMargins of_generator = loop_margins(grid, loop);

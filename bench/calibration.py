@@ -187,8 +187,15 @@ def missed(row):
     return ([k for k in row["truth"]["kinds"] if not any(k in g for g in given)], [s["effect"] for s, g in zip(row["steps"], given) if not g & right])
 
 
+def is_large(row, kind):
+    """Whether what this effect itself adds to the training records is five times the noise and more."""
+    return row["truth"]["sizes"][row["truth"]["kinds"].index(kind)] >= 5
+
+
 def five_times(row):
-    return row["truth"]["times"] is None or row["truth"]["times"] >= 5
+    """Whether all of a case is."""
+    truth = row["truth"]
+    return all(is_large(row, kind) for kind in truth["kinds"]) and (truth["times"] is None or truth["times"] >= 5)
 
 
 def wrong(row):
@@ -200,11 +207,13 @@ def wrong(row):
 
 def score(args):
     rows = [r for r in map(json.loads, open(args.answers)) if "steps" in r]
-    large = [r for r in rows if hidden(r) is not None and r["truth"]["kinds"] and five_times(r)]
+    in_catalogue = [r for r in rows if hidden(r) is not None and r["truth"]["kinds"]]
+    large = [r for r in in_catalogue if five_times(r)]
     controls, outsiders = [r for r in rows if hidden(r) is not None and not r["truth"]["kinds"]], [r for r in rows if hidden(r) is None]
     share = lambda a, b: f"{a} of {b} ({a / max(1, b):.3f})"
-    effects = sum(len(r["truth"]["kinds"]) for r in large)
-    print(f"{len(rows)} cases; at five times the noise and more named {share(effects - sum(len(missed(r)[0]) for r in large), effects)}, no extra name "
+    effects = sum(is_large(r, kind) for r in in_catalogue for kind in r["truth"]["kinds"])
+    lost = sum(is_large(r, kind) for r in in_catalogue for kind in missed(r)[0])
+    print(f"{len(rows)} cases; at five times the noise and more named {share(effects - lost, effects)}, no extra name "
           f"{share(sum(not missed(r)[1] for r in large), len(large))}")
     print(f"controls accused {share(sum(bool(r['steps']) for r in controls), len(controls))}, outsiders told "
           f"{share(sum(not wrong(r) for r in outsiders), len(outsiders))}")

@@ -9,6 +9,8 @@ import os
 
 import numpy as np
 
+from hidden_effects import rest
+
 FINE = 8  # steps inside a sample
 
 
@@ -147,7 +149,6 @@ SUITS = {
 ALIKE = [{"creep", "drift", "rate_dependence"}, {"time_delay", "amplifier_pole", "resonance", "sample_hold"},
          {"hysteresis", "asymmetric_hysteresis", "backlash"}, {"offset", "mains_hum"},
          {"saturation", "dead_zone", "quadratic_nonlinearity", "cubic_nonlinearity", "cubic_stiffness", "quadratic_stiffness"}]
-INSIDE = {"cubic_stiffness", "quadratic_stiffness", "drag", "switch_delay"}
 BEHIND = {"offset", "drift", "mains_hum"}
 UP, DOWN = [.36, -.64, .28], [-.24, .08, .16]
 
@@ -194,6 +195,19 @@ OUTSIDE = {"folds": lambda x, *_: x + .15 * np.abs(x) * np.sign(np.sin(9 * x)), 
            "gain_swings": lambda x, dt, _, hz: x * (1 + .15 * np.sin(2 * np.pi * hz * .37 * np.arange(len(x)) * dt))}
 
 
+def own_size(base, fixed, rate, with_it, without):
+    """rms of what one effect adds to the training records alongside the other, less what the base's free parameters take."""
+    if not all(np.isfinite(y).all() for y in with_it + without):
+        return math.inf
+    left = []
+    for y, w in zip(with_it[:2], without):
+        absorbed = [] if fixed else [w]
+        if base not in ("gain", "polynomial"):
+            absorbed += [lag(w, 1 / rate, rate / 20), np.gradient(w)]
+        left.append(rest(y - w, *absorbed) if absorbed else np.sqrt(np.mean((y - w) ** 2)))
+    return math.sqrt(np.mean(np.square(left)))
+
+
 def make_case(seed, folder):
     """Writes model.toml, a.csv, b.csv (training) and h.csv (held out); what is hidden."""
     r = np.random.default_rng(seed)
@@ -210,13 +224,12 @@ def make_case(seed, folder):
     outside = str(r.choice(list(OUTSIDE))) if kind == "outside" else None
     inside, functions = hidden_functions(q, sign, rate, hz, n)
 
-    def system(x, dt, record, there):
-        active = kinds if there else []
+    def system(x, dt, record, active):
         value = lambda name: inside[name] if name in active else 0.0
         for e in active:
-            if e not in INSIDE and e not in BEHIND:
+            if e in functions and e not in BEHIND:
                 x = functions[e](x, dt, record)
-        if there and outside:
+        if outside and outside in active:
             x = OUTSIDE[outside](x, dt, rate, hz)
         if base == "gain":
             x = gain * x
@@ -236,14 +249,17 @@ def make_case(seed, folder):
     shapes = ["multisine", "falling_triangles", "swelling", "chirp", "triangles", "levels"]
     r.shuffle(shapes)
     inputs, with_it, without = [], [], []
+    without_one = {k: [] for k in kinds}
     for i, f in enumerate([hz, hz * q(.3, .6), hz * q(1.3, 2.2)]):
         u = drive(r, n, rate, shapes[i], .7 if i == 1 else 1., f)
         if base == "polynomial":  # its polynomials are meant for [0, 1]
             u = .5 * (1 - np.cos(2 * np.pi * f * np.arange(n) / rate)) * (np.linspace(1, .5, n) if i == 1 else 1)
         fine, dt = np.interp(np.arange((n - 1) * FINE + 1) / FINE, np.arange(n), u), 1 / rate / FINE
         inputs.append(u)
-        with_it.append(system(fine, dt, i, True)[::FINE])
-        without.append(system(fine, dt, i, False)[::FINE])
+        with_it.append(system(fine, dt, i, [*kinds, outside])[::FINE])
+        without.append(system(fine, dt, i, [])[::FINE])
+        for k in kinds:
+            without_one[k].append(system(fine, dt, i, [e for e in kinds if e != k])[::FINE])
     plain = np.concatenate(without)
     if not all(np.isfinite(y).all() and np.abs(y).max() < 100 for y in with_it):  # a spring that gives way
         return make_case(seed + 10**9, folder)
@@ -268,4 +284,5 @@ def make_case(seed, folder):
             "polynomial": block(f'type = "polynomial_hysteresis"\nascending = {UP}\ndescending = {DOWN}') + given + pole(corner * 3)}[base]
     with open(f"{folder}/model.toml", "w") as f:
         f.write('schema = "bodesmith.model/1"\n' + text)
-    return {"kinds": kinds, "base": base, "noise": colour, "times": times, "outside": outside}
+    return {"kinds": kinds, "base": base, "noise": colour, "times": times, "outside": outside, "sigma": sigma,
+            "sizes": [own_size(base, fixed, rate, with_it, without_one[k]) / sigma for k in kinds]}

@@ -194,8 +194,7 @@ def is_large(row, kind):
 
 def five_times(row):
     """Whether all of a case is."""
-    truth = row["truth"]
-    return all(is_large(row, kind) for kind in truth["kinds"]) and (truth["times"] is None or truth["times"] >= 5)
+    return all(size >= 5 for size in row["truth"]["sizes"])
 
 
 def wrong(row):
@@ -213,10 +212,11 @@ def score(args):
     share = lambda a, b: f"{a} of {b} ({a / max(1, b):.3f})"
     effects = sum(is_large(r, kind) for r in in_catalogue for kind in r["truth"]["kinds"])
     lost = sum(is_large(r, kind) for r in in_catalogue for kind in missed(r)[0])
-    print(f"{len(rows)} cases; at five times the noise and more named {share(effects - lost, effects)}, no extra name "
+    print(f"{len(rows)} cases; effects of five times the noise and more named {share(effects - lost, effects)}, no extra name where all are "
           f"{share(sum(not missed(r)[1] for r in large), len(large))}")
-    print(f"controls accused {share(sum(bool(r['steps']) for r in controls), len(controls))}, outsiders told "
-          f"{share(sum(not wrong(r) for r in outsiders), len(outsiders))}")
+    told_of = lambda rows: share(sum(not wrong(r) for r in rows), len(rows))
+    print(f"controls accused {share(sum(bool(r['steps']) for r in controls), len(controls))}, outsiders told {told_of(outsiders)}, "
+          f"of five times the noise {told_of([r for r in outsiders if five_times(r)])}")
     cpu = sorted(r["cpu_s"] for r in rows)
     print(f"processor: median {cpu[len(cpu) // 2]:.2f} s, longest {cpu[-1]:.1f} s; expected calibration error {diagram(rows)[1]:.3f}, mean log score {log_score(rows):.3f}")
 

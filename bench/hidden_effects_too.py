@@ -229,7 +229,7 @@ def make_case(seed, folder):
         for e in active:
             if e in functions and e not in BEHIND:
                 x = functions[e](x, dt, record)
-        if outside and outside in active:
+        if outside in active:
             x = OUTSIDE[outside](x, dt, rate, hz)
         if base == "gain":
             x = gain * x
@@ -249,17 +249,18 @@ def make_case(seed, folder):
     shapes = ["multisine", "falling_triangles", "swelling", "chirp", "triangles", "levels"]
     r.shuffle(shapes)
     inputs, with_it, without = [], [], []
-    without_one = {k: [] for k in kinds}
+    hidden = [*kinds, *([outside] if outside else [])]
+    without_one = {k: [] for k in hidden}
     for i, f in enumerate([hz, hz * q(.3, .6), hz * q(1.3, 2.2)]):
         u = drive(r, n, rate, shapes[i], .7 if i == 1 else 1., f)
         if base == "polynomial":  # its polynomials are meant for [0, 1]
             u = .5 * (1 - np.cos(2 * np.pi * f * np.arange(n) / rate)) * (np.linspace(1, .5, n) if i == 1 else 1)
         fine, dt = np.interp(np.arange((n - 1) * FINE + 1) / FINE, np.arange(n), u), 1 / rate / FINE
         inputs.append(u)
-        with_it.append(system(fine, dt, i, [*kinds, outside])[::FINE])
+        with_it.append(system(fine, dt, i, hidden)[::FINE])
         without.append(system(fine, dt, i, [])[::FINE])
-        for k in kinds:
-            without_one[k].append(system(fine, dt, i, [e for e in kinds if e != k])[::FINE])
+        for k in hidden:
+            without_one[k].append(system(fine, dt, i, [e for e in hidden if e != k])[::FINE])
     plain = np.concatenate(without)
     if not all(np.isfinite(y).all() and np.abs(y).max() < 100 for y in with_it):  # a spring that gives way
         return make_case(seed + 10**9, folder)
@@ -285,4 +286,4 @@ def make_case(seed, folder):
     with open(f"{folder}/model.toml", "w") as f:
         f.write('schema = "bodesmith.model/1"\n' + text)
     return {"kinds": kinds, "base": base, "noise": colour, "times": times, "outside": outside, "sigma": sigma,
-            "sizes": [own_size(base, fixed, rate, with_it, without_one[k]) / sigma for k in kinds]}
+            "sizes": [own_size(base, fixed, rate, with_it, without_one[k]) / sigma for k in hidden]}

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <string_view>
 #include <utility>
 
 #include "base/documents/json.hpp"
@@ -18,12 +19,20 @@ namespace {
 
 using namespace bodesmith;
 
-/// y = u + c u^6: nothing of the catalogue bends a signal at both ends so late. It stays registered, so it keeps out of the other tests of
-/// this program.
-bool g_proposes = false;
+/// An effect stays registered: it proposes while its own test runs, and keeps out of all others of this program.
+std::string_view g_proposing;
 
+struct Proposing {
+  explicit Proposing(const gap::Effect& effect) {
+    gap::effect_registry().add(effect);
+    g_proposing = effect.name();
+  }
+  ~Proposing() { g_proposing = {}; }
+};
+
+/// y = u + c u^6: nothing of the catalogue bends a signal at both ends so late.
 void propose(const gap::Scene& scene, std::vector<gap::Proposal>& out) {
-  if (!g_proposes || scene.frequency_only) return;
+  if (g_proposing != "sixth_power" || scene.frequency_only) return;
   for (std::size_t at : scene.static_places()) {
     auto block = chain::make_block("polynomial");
     block.set("coefficients", {0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0});
@@ -45,13 +54,11 @@ TEST(RegisteredEffect, IsNamedByDiagnose) {
                                    .what = "a curve that bends up at both ends",
                                    .experiment = "a slow ramp to the ends of the range",
                                    .propose = propose});
-  gap::effect_registry().add(effect);
-  g_proposes = true;
+  const Proposing during_this_test(effect);
   const auto base = model_of("[[block]]\ntype = \"gain\"\ngain = 1.25\nfree = [\"gain\"]\n");
   const auto study = gap::Study::of({record_with_sixth_power("train.csv", 1)},
                                     {record_with_sixth_power("holdout.csv", 2)}, base);
   const auto diagnosis = gap::diagnose(base, study, {});
-  g_proposes = false;
 
   ASSERT_EQ(diagnosis.steps.size(), 1U);
   EXPECT_EQ(diagnosis.steps[0].effect, "sixth_power");
@@ -76,6 +83,7 @@ TEST(RegisteredEffect, ThatIsNoneInTheEndLeavesItsPlaceToTheNextBest) {
        .places_a_round = 1,
        .propose =
            [](const gap::Scene& scene, std::vector<gap::Proposal>& out) {
+             if (g_proposing != "twin_of_a_limit") return;
              auto block = chain::make_block("saturation");
              block.set("lower", -100.0);
              out.push_back(gap::insert_block(scene, scene.static_places().back(), block,
@@ -83,7 +91,7 @@ TEST(RegisteredEffect, ThatIsNoneInTheEndLeavesItsPlaceToTheNextBest) {
            },
        .is_no_name = [](const gap::Model&, const gap::Term&,
                         const gap::Scene&) { return ++g_looks % 2 == 0; }});
-  gap::effect_registry().add(effect);
+  const Proposing during_this_test(effect);
   const auto base = model_of("[[block]]\ntype = \"gain\"\ngain = 1.25\nfree = [\"gain\"]\n");
   const auto record = [](const char* file, unsigned seed) {
     return of_smoothed_noise(file, seed, 1000, 1e-3, [](int, double x, double e) {

@@ -96,31 +96,14 @@ void Board::tabulate(bool rising) {
   const DisturbanceCircuit& c = wiring_.circuit;
   const std::size_t index = rising ? 0 : 1;
   Branch& b = branch_[index];
-  const generator::BranchGain& rate = c.branches[index].rate;
-  double low = 0.0, high = 0.0;
-  if (rate.control >= 0) {
-    b.varies = true;
-    // The corners of the gain curve and its ends bound the control voltage.
-    std::vector<double> slopes = {0.0, -1.2 * c.curve->corner.back().value * c.slope->volts_per_hz};
-    for (const Hertz f : c.curve->corner) slopes.push_back(-f.value * c.slope->volts_per_hz);
-    low = 1e300;
-    high = -1e300;
-    for (const double s : slopes) {
-      rest_.set_slope(s);
-      low = std::min(low, rest_.control_v(index));
-      high = std::max(high, rest_.control_v(index));
-    }
-  }
-  b.mid_c = 0.5 * (low + high);
-  b.half_c = std::max(0.5 * (high - low), 1e-6);
-  for (int level = 0; level < kLevels; ++level) {
-    if (!b.varies && level > 0) break;
+  b.varies = c.branches[index].rate.control >= 0;
+  for (int volts = 0; volts < (b.varies ? kControls : 1); ++volts) {
+    rest_.set_control(index, volts);
     for (int i = 0; i < kNodes; ++i) {
       const double x = middle_ + half_ * chebyshev_node(i);
-      rest_.set_control(index, b.mid_c + (level - 1) * b.half_c);
       const double made = wiring_.argument_is_given ? rest_.made(0.0, x, index) : rest_.made(x, 0.0, index);
       for (int k = 0; k < kTerms; ++k) {
-        b.term[level][k] += made * basis[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
+        b.term[volts][k] += made * basis[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
       }
     }
   }
@@ -217,10 +200,8 @@ void Board::mix(const Branch& branch, double control_v, double out[kTerms]) cons
     std::copy(branch.term[0], branch.term[0] + kTerms, out);
     return;
   }
-  const double u = (control_v - branch.mid_c) / branch.half_c;
-  const double w0 = 0.5 * u * (u - 1.0), w1 = 1.0 - u * u, w2 = 0.5 * u * (u + 1.0);
   for (int k = 0; k < kTerms; ++k)
-    out[k] = w0 * branch.term[0][k] + w1 * branch.term[1][k] + w2 * branch.term[2][k];
+    out[k] = branch.term[0][k] + control_v * (branch.term[1][k] - branch.term[0][k]);
 }
 
 /// v = g r(t - To) + F(v(t - To - Tg)); delays as first order in the slopes.

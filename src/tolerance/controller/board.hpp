@@ -39,11 +39,11 @@ class Board {
   double mean_slope_v(const Input& input) const;
 
  private:
-  static constexpr int kTerms = 8;   ///< of the polynomials of the argument
-  static constexpr int kLevels = 3;  ///< of the control voltage, quadratic between
+  static constexpr int kTerms = 8;  ///< of the polynomials of the argument
+  static constexpr int kControls =
+      2;  ///< 0 and 1 V: one multiplier makes the gain, linear in its control voltage
   struct Branch {
-    double mid_c = 0.0, half_c = 0.0;  ///< control voltages
-    double term[kLevels][kTerms] = {};
+    double term[kControls][kTerms] = {};
     bool varies = false;   ///< with the rate
     double delay_s = 0.0;  ///< of powers, sum and rate gain
   };

@@ -52,7 +52,11 @@ TEST(SpiceRoundTrip, Controller) {
   rates.rate.ascending = {1, 1, 1};
   rates.rate.descending = {1, 1.1, 1.17};
   const DisturbanceCircuit controller = make_controller(rates);
-  expect_same_bytes(controller_library(controller, "whole"));
+  const std::string whole = controller_library(controller, "whole");
+  expect_same_bytes(whole);
+  EXPECT_NE(whole.find(controller.opamp.name), std::string::npos);
+  EXPECT_EQ(whole.find("* Voltage noise"), std::string::npos);  // a run over time would carry it along
+  EXPECT_NE(opamp_subcircuit(controller.opamp).find("* Voltage noise"), std::string::npos);
   LibraryOptions open;
   open.open = true;
   expect_same_bytes(controller_library(controller, "open", open));

@@ -8,6 +8,7 @@
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "numeric/fourier.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -36,11 +37,11 @@ struct Line {
   double amplitude = 0.0;
 };
 
-/// The residual's spectrum, fine enough for lines between the record's own frequencies.
+/// The spectrum of the residual less its drift, fine enough for lines between the record's own frequencies.
 class FineSpectrum {
  public:
   explicit FineSpectrum(const Scene& scene) : rate_hz_(1.0 / scene.step_s) {
-    auto padded = scene.residual;
+    auto padded = less_straight_line(scene.residual);
     padded.resize(smooth_length(kFiner * padded.size()), 0.0);
     bin_hz_ = rate_hz_ / static_cast<double>(padded.size());
     for (const auto& value : half_spectrum(padded)) amplitude_.push_back(std::abs(value));

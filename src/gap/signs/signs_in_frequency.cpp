@@ -44,10 +44,7 @@ std::optional<double> level_around(const std::vector<double>& power, std::size_t
 
 Sign spectral_line(const Leftover& record) {
   Sign sign{SignKind::spectral_line, 0.0};
-  auto e = record.residual;
-  const double middle = mean(e);
-  for (double& x : e) x -= middle;
-  const auto power = periodogram(e, record.step_s).power;
+  const auto power = periodogram(less_straight_line(record.residual), record.step_s).power;
   const double total = std::accumulate(power.begin(), power.end(), 0.0);
   // The largest of n bins of noise lies about ln n above their mean.
   const double limit = 4.0 * (std::log(static_cast<double>(power.size())) + 3.0);

@@ -6,12 +6,15 @@
 #include <numbers>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include "base/documents/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/effect.hpp"
 #include "gap/made_model.hpp"
 #include "gap/made_record.hpp"
+#include "gap/scene.hpp"
 #include "simulate/simulate.hpp"
 
 namespace {
@@ -24,11 +27,13 @@ struct HumOf {
   double phase = 0.0;
 };
 
-TimeRecord record_with_hum(const char* file, double step_s, const HumOf& hum, unsigned seed) {
-  return of_smoothed_noise(file, seed, 1200, step_s, [&](int i, double x, double e) {
-    const double t = step_s * i;
-    return std::pair(
-        x, 2.0 * x + hum.amplitude * std::sin(2.0 * std::numbers::pi * hum.hz * t + hum.phase) + 0.005 * e);
+/// `drift`: over the whole record.
+TimeRecord record_with_hum(const char* file, double step_s, const HumOf& hum, unsigned seed,
+                           double drift = 0.0) {
+  constexpr int kSamples = 1200;
+  return of_smoothed_noise(file, seed, kSamples, step_s, [&](int i, double x, double e) {
+    const double line = std::sin(2.0 * std::numbers::pi * hum.hz * step_s * i + hum.phase);
+    return std::pair(x, 2.0 * x + hum.amplitude * line + drift * i / kSamples + 0.005 * e);
   });
 }
 
@@ -65,5 +70,19 @@ INSTANTIATE_TEST_SUITE_P(Gap, MainsHum,
                          testing::Values(std::pair{49.85, 1e-3}, std::pair{180.5, 8e-4},
                                          std::pair{60.1, 0.0103}),
                          [](const auto& test) { return "case_" + std::to_string(test.index); });
+
+/// Of a drift six times as large the spectrum reaches over twelve cycles of a line. A line that is not seen passes for red noise, under
+/// which the drift is nothing sure either.
+TEST(MainsHumOnADrift, IsProposed) {
+  constexpr double kStep = 2e-4;
+  const auto study =
+      gap::Study::of({record_with_hum("a.csv", kStep, {49.9, 0.05, 0.4}, 1, 0.3)},
+                     {record_with_hum("b.csv", kStep, {49.9, 0.05, 2.9}, 2, 0.3)}, gain_of_two());
+  const gap::Model model(gain_of_two());
+  std::vector<gap::Proposal> proposals;
+  gap::effect_registry().get("mains_hum").propose(gap::make_scene(model, study.train()), proposals);
+  ASSERT_EQ(proposals.size(), 1U);
+  EXPECT_NEAR(proposals.front().starts.front().front(), 49.9, 0.5);
+}
 
 }  // namespace

@@ -65,7 +65,6 @@ struct CvodeSolver::Implementation {
   double begin = 0.0;
   double stop = 0.0;
   double max_step = 0.0;
-  std::vector<double> row_major;
   std::vector<int> crossings;
   std::size_t steps = 0;
   std::size_t evaluations = 0;
@@ -77,17 +76,6 @@ struct CvodeSolver::Implementation {
     auto& me = *static_cast<Implementation*>(self);
     ++me.evaluations;
     me.problem.rate(t, N_VGetArrayPointer(x), N_VGetArrayPointer(dx));
-    return 0;
-  }
-  static int jacobian(double t, N_Vector x, N_Vector, SUNMatrix j, void* self, N_Vector, N_Vector, N_Vector) {
-    auto& me = *static_cast<Implementation*>(self);
-    const std::size_t n = me.problem.order;
-    me.row_major.assign(n * n, 0.0);
-    me.problem.jacobian(t, N_VGetArrayPointer(x), me.row_major.data());
-    double* data = SUNDenseMatrix_Data(j);
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t k = 0; k < n; ++k) data[k * n + i] = me.row_major[i * n + k];
-    }
     return 0;
   }
   /// CVODE hands over no matrix: the solver asks where it stands and works on the problem's own structure.
@@ -160,7 +148,6 @@ struct CvodeSolver::Implementation {
       matrix.reset(SUNDenseMatrix(n, n, context.get()));
       linear.reset(SUNLinSol_Dense(x.get(), matrix.get(), context.get()));
       expect_success(CVodeSetLinearSolver(memory.get(), linear.get(), matrix.get()), "CVodeSetLinearSolver");
-      if (problem.jacobian) expect_success(CVodeSetJacFn(memory.get(), jacobian), "CVodeSetJacFn");
     }
   }
 

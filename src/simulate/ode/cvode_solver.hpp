@@ -13,10 +13,9 @@ struct CvodeProblem {
   std::size_t order = 0;
   std::function<void(double t, const double* x, double* dx)> rate;
   /// Replaces b by the solution z of (I - gamma df/dx) z = b (bdf only). For problems whose structure makes
-  /// that cheap: a chain's states in series are solved block by block, at a cost linear in their number.
+  /// that cheap: a chain's states in series are solved block by block, at a cost linear in their number. Empty: a dense
+  /// solver and difference quotients.
   std::function<void(double t, const double* x, double gamma, double* b)> newton;
-  /// Without `newton`: row-major df/dx for a dense solver; empty: difference quotients (bdf only).
-  std::function<void(double t, const double* x, double* jacobian)> jacobian;
   /// Event functions, stopping where one crosses zero.
   std::size_t events = 0;
   std::function<void(double t, const double* x, double* g)> event;
@@ -33,7 +32,7 @@ class CvodeSolver {
  public:
   enum class Method {
     adams,  ///< variable order to 12, fixed-point iteration: not stiff
-    bdf,    ///< variable order to 5, Newton with the problem's own solver or a dense Jacobian: stiff
+    bdf,    ///< variable order to 5, Newton with the problem's own solver or a dense one: stiff
   };
 
   CvodeSolver(CvodeProblem problem, Method method, double relative_tolerance, double absolute_tolerance);

@@ -26,7 +26,7 @@ bool ModalPropagator::prepare(const StateSpace& system, double h, const HoldNode
                               std::span<const Output> outputs) {
   if (system.order() > 2 * kMaxPairs) return false;
   auto modes = modal_pairs(system);
-  if (!modes || modes->pairs() > kMaxPairs) return false;
+  if (!modes) return false;
   modes_ = std::move(*modes);
   degree_ = nodes.degree;
   direct_ = system.d;

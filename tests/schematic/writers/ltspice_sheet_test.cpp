@@ -30,6 +30,7 @@ ReadSheet read_sheet(const std::string& text) {
   std::map<Place, std::string> net_at;  // the near end of each wire
   std::map<Place, Place> wires;
   std::set<Place> taken;
+  int lowest = 0;  // y grows downwards: each line of text stands below all symbols and the lines before
   ReadSheet out;
   Place size{}, origin{};
   std::string line, kind, name;
@@ -54,6 +55,7 @@ ReadSheet read_sheet(const std::string& text) {
       EXPECT_TRUE(origin.first >= 0 && origin.second >= 0 && origin.first < size.first &&
                   origin.second < size.second)
           << line;
+      lowest = std::max(lowest, origin.second + 96);
     } else if (word == "SYMATTR") {
       words >> word;
       if (word == "InstName") {
@@ -64,6 +66,9 @@ ReadSheet read_sheet(const std::string& text) {
         words >> out.values[name];
       }
     } else if (word == "TEXT") {
+      words >> x >> y;
+      EXPECT_TRUE(y > lowest && y < size.second) << line;
+      lowest = y;
       out.directives.push_back(line.substr(line.find(" 2 ") + 3));
     }
   }

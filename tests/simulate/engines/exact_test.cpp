@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "base/error.hpp"
 #include "chain/registry.hpp"
+#include "simulate/engines/engine.hpp"
+#include "simulate/record/exact_propagator.hpp"
 #include "simulate/records.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
@@ -90,6 +93,54 @@ TEST(ExactEngine, LongReferencesAreOneSegmentAHalfPeriod) {
     EXPECT_LE(got.stats.steps, hertz == 100.0 ? 200u : 4u * 97u) << hertz;
     EXPECT_LT(*got.error_estimate, 1e-12);
   }
+}
+
+TEST(ExactEngine, SaysWhyThereIsNone) {
+  using Reason = NoClosedForm::Reason;
+  const auto reason_of = [](const Chain& chain, const TimeRecord& in, Engine asked) {
+    Options options;
+    options.engine = asked;
+    const auto got = exact_engine().run(chain, in, options);
+    const auto* none = std::get_if<NoClosedForm>(&got);
+    return none != nullptr ? std::optional(none->reason) : std::nullopt;
+  };
+  const auto lag = [](double hertz) { return make_block("lowpass").set("corner_hz", hertz); };
+  const auto power = [](std::size_t degree) {
+    std::vector<double> coefficients(degree + 1, 0.0);
+    coefficients.back() = 1.0;
+    return make_block("polynomial").set("coefficients", coefficients);
+  };
+  const TimeRecord lines = record_of(201, 0.005, triangle), curved = record_of(201, 0.005, two_sines);
+  const auto switched = make_block("polynomial_hysteresis")
+                            .set("ascending", std::vector<double>{0.35, -0.64, 0.29})
+                            .set("descending", std::vector<double>{-0.24, 0.08, 0.16});
+  // What can never be is told first, wherever it stands and whatever comes in.
+  for (const auto& block :
+       {make_block("saturation").set("lower", -0.4).set("upper", 0.6),
+        make_block("sample_hold").set("clock_hz", 37.0),
+        make_block("resonator").set("natural_frequency_hz", 3.0).set("damping_ratio", 0.3).set("cubic", 0.4),
+        make_block("backlash").set("width", 0.07), chain::Block(switched).set("switch_delay_s", 1e-3)}) {
+    for (const TimeRecord* in : {&lines, &curved}) {
+      EXPECT_EQ(reason_of({{block}}, *in, Engine::automatic), Reason::not_polynomial) << block.type_name();
+      EXPECT_EQ(reason_of({{lag(3.0), block}}, *in, Engine::automatic), Reason::not_polynomial)
+          << block.type_name();
+    }
+  }
+  EXPECT_EQ(reason_of({{lag(3.0)}}, record_of(1, 1.0, one), Engine::exact), Reason::one_sample);
+  EXPECT_EQ(reason_of({{lag(3.0)}}, curved, Engine::automatic), Reason::many_corners);
+  EXPECT_EQ(reason_of({{lag(3.0)}}, curved, Engine::exact), std::nullopt);
+  EXPECT_EQ(reason_of({{lag(3.0)}}, lines, Engine::automatic), std::nullopt);
+  const auto lifted = make_block("gain").set("gain", 1.0).set("offset", 0.2);
+  EXPECT_EQ(reason_of({{lag(3.0), lifted, lag(5.0)}}, lines, Engine::exact),
+            Reason::constant_between_dynamics);
+  EXPECT_EQ(reason_of({{lifted, lag(3.0), lag(5.0), lifted}}, lines, Engine::exact), std::nullopt);
+  EXPECT_EQ(reason_of({{lag(3.0), power(2)}}, lines, Engine::exact), Reason::behind_dynamics);
+  constexpr std::size_t kMost = ExactPropagator::kMaxInputDegree;
+  EXPECT_EQ(reason_of({{power(kMost), lag(3.0)}}, lines, Engine::exact), std::nullopt);
+  EXPECT_EQ(reason_of({{power(kMost), power(2)}}, lines, Engine::exact), Reason::high_degree);
+  EXPECT_EQ(reason_of({{switched, lag(3.0)}}, lines, Engine::exact), std::nullopt);
+  EXPECT_EQ(reason_of({{power(2), switched}}, lines, Engine::exact), Reason::turn_in_segment);
+  EXPECT_EQ(reason_of({{lag(3.0), lag(3.0)}}, lines, Engine::exact), Reason::near_equal_poles);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "chain/registry.hpp"
+#include "simulate/propagators/modal.hpp"
 #include "simulate/record/modal_pairs.hpp"
 #include "simulate/record/record_simulator.hpp"
 #include "simulate/records.hpp"
@@ -75,6 +76,26 @@ TEST(ModalPropagator, EightSectionsAreExactWithoutASecondRun) {
   const double error = max_difference(got.y, lowpasses_exactly(corners, in));
   EXPECT_LT(error, *got.error_estimate);
   EXPECT_LT(error, 1e-14);
+}
+
+TEST(ModalPropagator, HoldsSixPairs) {
+  const ModalPropagator::Output end{.s = 1.0, .weights = {0.0, 1.0}};
+  const auto is_held = [&](const Chain& chain) {
+    chain::LinearKernel all = chain::gain_kernel(1.0);
+    for (const Block& block : chain.blocks)
+      all = in_series(all, std::get<chain::LinearKernel>(block.kernel()));
+    return ModalPropagator().prepare(all, 1e-3, hold_nodes(1), {&end, 1});
+  };
+  std::vector<double> corners;
+  for (int i = 0; i < 12; ++i) corners.push_back(2.0 * std::pow(3.0, i));
+  EXPECT_TRUE(is_held(lowpass_row(corners)));
+  corners.push_back(1.0);
+  EXPECT_FALSE(is_held(lowpass_row(corners)));
+  // Of nine real modes one stands alone: with one complex pair more they are six pairs.
+  corners.resize(9);
+  Chain chain = lowpass_row(corners);
+  chain.blocks.push_back(make_block("resonator").set("natural_frequency_hz", 35.0).set("damping_ratio", 0.1));
+  EXPECT_TRUE(is_held(chain));
 }
 
 TEST(ModalPropagator, EqualSectionsGoByTheFullMatrix) {

@@ -35,6 +35,7 @@ class NonInverting final : public StageForm {
 class NonInvertingRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "non-inverting"; }
+  bool makes_two_poles() const override { return false; }
   bool inverts() const override { return false; }
   int bid(const Section& section) const override { return refusal(section) ? 0 : 5; }
   std::optional<Refusal> refusal(const Section& section) const override {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "lti/steep_flanks.hpp"
+
 namespace bodesmith::synthesis {
 namespace {
 
@@ -40,6 +42,25 @@ TEST(StageErrors, AreTheWeightedLogarithmsOfTheQuotient) {
     // Stops early, but never below what was asked for.
     EXPECT_GT(errors.worst_square(values, 0.5 * worst), 0.5 * worst);
   }
+}
+
+/// Where |d ln H/d ln f| is above a number, a point weighs that number over it.
+TEST(SearchGrid, SteepFlanksWeighLess) {
+  Sections sections;
+  sections.sections = {{3.0, {{-4.0, 900.0}, {-4.0, -900.0}}, {{-30.0, 970.0}, {-30.0, -970.0}}},
+                       {1.0, {}, {{-2.0, 5000.0}, {-2.0, -5000.0}}}};
+  const SearchGrid grid(sections, {Hertz{10}, Hertz{3000}}, 40);
+  int steep = 0;
+  for (std::size_t k = 0; k < grid.at.size(); ++k) {
+    constexpr double kStep = 1e-6;
+    const auto above = sections.response(Hertz{grid.at[k].value * (1.0 + kStep)}.rad_s());
+    const auto below = sections.response(Hertz{grid.at[k].value * (1.0 - kStep)}.rad_s());
+    const double slope = std::abs(std::log(above / below)) / (2.0 * kStep);
+    EXPECT_NEAR(grid.weight[k], std::min(1.0, kFlankRate / slope), 1e-6) << grid.at[k].value;
+    steep += grid.weight[k] < 1.0;
+  }
+  EXPECT_GT(steep, 5);
+  EXPECT_LT(steep, static_cast<int>(grid.at.size()) - 5);
 }
 
 }  // namespace

@@ -39,14 +39,16 @@ Part diode(const char* name, const char* from, const char* to) {
 
 TEST(InTime, AnRcFollowsItsExponential) {
   Netlist rc;
-  rc.parts = {ohms("R", "in", "out", 1e4), farads("C", "out", "0", 1e-7)};
+  rc.parts = {ohms("R", "in", "out", 1e4), farads("C", "out", "0", 1e-7), ohms("R2", "in", "slow", 3e4),
+              farads("C2", "slow", "0", 1e-7)};
   InTime run(rc, [](double) { return 2.0; });
-  run.begin(0.0, {{"out", -1.0}, {"in", 2.0}});
+  run.begin(0.0, {{"out", -1.0}, {"in", 2.0}, {"slow", 3.0}});
   double last = 0.0;
   run.run_to(4e-3, [&](double from, double to) {
     EXPECT_EQ(from, last);
     last = to;
     EXPECT_NEAR(run.volts("out", to), 2.0 - 3.0 * std::exp(-to / 1e-3), 1e-5);
+    EXPECT_NEAR(run.volts("slow", to), 2.0 + std::exp(-to / 3e-3), 1e-5);
   });
   EXPECT_NEAR(last, 4e-3, 1e-12);
   EXPECT_EQ(run.volts("in", 4e-3), 2.0);

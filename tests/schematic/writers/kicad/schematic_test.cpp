@@ -122,6 +122,29 @@ TEST(KicadProject, AChainOfAnyLengthIsItsNetlist) {
   EXPECT_GT(sheets, 2);
 }
 
+/// Branches wider than the op-amp: the output stands behind the longest of them.
+TEST(KicadProject, AFeedbackOfManyPartsInARowHasRoom) {
+  for (const std::size_t row : {2U, 3U, 5U}) {
+    Chain chain = chain_of(1, 1);
+    std::string at = "out";
+    for (std::size_t i = 0; i < row; ++i) {
+      const std::string next = i + 1 == row ? "n1_m" : "row" + std::to_string(i);
+      chain.netlist.parts.push_back({i % 2 == 0 ? Part::Kind::resistor : Part::Kind::capacitor,
+                                     "X" + std::to_string(i), "role", 0, at, next, "E96", 1e3, 1e3});
+      at = next;
+    }
+    const TemporaryFolder folder;
+    OutputSet files(folder / "made");
+    SheetOptions options;
+    options.stem = "compensator";
+    options.ports = {"in", "out"};
+    add_chain_project(chain.netlist, chain.stages, options, files);
+    files.commit();
+    const std::string made = (folder / "made").string();
+    expect_joined(read_kicad(made), wanted(chain.netlist), read_references(made + "/bom.csv"), 0.0);
+  }
+}
+
 /// The numbers after these words, one set for each place where all stand behind one another.
 std::multiset<std::vector<double>> numbers_after(const std::string& text,
                                                  const std::vector<std::string>& words) {

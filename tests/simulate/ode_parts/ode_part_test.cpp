@@ -27,6 +27,7 @@ std::vector<chain::Block> smooth_blocks() {
               .set("cubic", 0.4)
               .set("drag", 0.2),
           make_block("polynomial").set("coefficients", std::vector<double>{0.1, 1.0, 0.3}),
+          make_block("opamp").set("gain", 2.0).set("gain_bandwidth_hz", 3.0).set("slew_rate_v_per_s", 4.0),
           make_block("drift").set("rate_per_s", 0.2)};
 }
 
@@ -43,9 +44,9 @@ TEST(OdeParts, TheImplicitStepSolvesWithTheSlopesOfTheRates) {
   OdeSystem system(pointers, input);
   system.start(Start::zero, 0.0);
   const std::size_t n = system.state().size();
-  ASSERT_EQ(n, 5u);
-  std::vector<double> x = {0.3, -0.2, 0.5, 0.1, -0.4};
-  const std::vector<double> b = {1.0, -2.0, 0.5, 0.7, 0.2};
+  ASSERT_EQ(n, 6u);
+  std::vector<double> x = {0.3, -0.2, 0.5, 0.1, -0.4, 0.2};
+  const std::vector<double> b = {1.0, -2.0, 0.5, 0.7, 0.2, -0.6};
   const double t = 0.35;
   const double gamma = 0.02;
   std::vector<double> z = b;

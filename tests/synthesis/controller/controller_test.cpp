@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/error.hpp"
+#include "base/hertz_values.hpp"
 #include "base/text.hpp"
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/analysis/operating_point.hpp"
@@ -352,6 +353,23 @@ TEST(RateCurve, IsTheTableAtItsFrequenciesAndHeldBeyondThem) {
     built.set_rate(Hertz{f});
     EXPECT_NEAR(built.rate_gain(down), fed.disturbance.rate_gain(down, Hertz{f}), 0.005) << f;
   }
+}
+
+/// Corners between the table's: tracked frequencies where they are as many as it takes and stand clear of the table's own.
+TEST(RateCurve, ItsCornersStandClearOfOneAnother) {
+  const auto corners_of = [](const std::vector<double>& tracked) {
+    Options options(Form::self_fed);
+    for (const double f : tracked) options.tracked.push_back(Hertz{f});
+    return hertz_values(make_controller(first_seed(), options).curve->corner);
+  };
+  const std::vector<double> alone = corners_of({});
+  ASSERT_EQ(alone.size(), 9U);
+  EXPECT_NEAR(alone[5], std::sqrt(20.0 * 60.0), 1e-12);
+  const std::vector<double> tracked = corners_of({1, 10, 20, 40, 60, 80, 100});
+  EXPECT_EQ(std::vector<double>(tracked.begin() + 4, tracked.end()),
+            (std::vector<double>{20, 40, 60, 80, 100}));
+  for (const double near : {20.3, 60.0}) EXPECT_EQ(corners_of({near}), alone) << near;
+  EXPECT_NE(corners_of({58.5}), alone);
 }
 
 TEST(Controller, AStageWithoutAnInverseIsRefused) {

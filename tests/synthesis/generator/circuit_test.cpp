@@ -81,6 +81,15 @@ TEST(Layout, MultiplierCountsByDegree) {
   }
 }
 
+TEST(Scheme, HasAWordOrTwoToSixPowersAGroup) {
+  EXPECT_EQ(Scheme::named("auto").group, Scheme::kAutomatic);
+  EXPECT_EQ(Scheme::named("horner").group, Scheme::kHorner);
+  EXPECT_EQ(Scheme::named("shared").group, Scheme::kShared);
+  for (int group = 2; group <= 6; ++group) EXPECT_EQ(Scheme::named(std::to_string(group)).group, group);
+  for (const char* name : {"1", "7", "2.5", "-3", "nan", "both", ""})
+    EXPECT_THROW(Scheme::named(name), InputError) << name;
+}
+
 TEST(Layout, ExactPartsMakeThePolynomialExactly) {
   Options options;
   options.resistors = synthesis::Series::named("exact");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "base/documents/json.hpp"
 #include "chain/model_file.hpp"
@@ -13,6 +14,7 @@
 #include "lti/frequency_grid.hpp"
 #include "numeric/random.hpp"
 #include "schematic/analysis/response.hpp"
+#include "schematic/writers/spice_library.hpp"
 #include "signal/csv.hpp"
 #include "simulate/record/record_simulator.hpp"
 #include "synthesis/circuit_file.hpp"
@@ -202,7 +204,9 @@ class MeasuredResponse : public testing::Test {
     out.sections = {one, two};
     return out;
   }
-  MeasuredResponse() : made_(synthesis::realise(wanted(), {})) {
+  MeasuredResponse() { design(wanted()); }
+  void design(const Sections& sections) {
+    made_ = synthesis::realise(sections, {});
     Json circuit = json_header("circuit", {});
     circuit.update(synthesis::to_json(made_));
     write_file(folder_ / "spice/circuit.json", to_text(circuit));
@@ -252,6 +256,32 @@ TEST_F(MeasuredResponse, OfAWrongPartNamesItAndMendsIt) {
   EXPECT_LT(out.after_percent, 0.5 * out.before_percent);
   ASSERT_NE(next_.content("compensator.sub"), nullptr);
   EXPECT_NE(next_.content("as_built.sub"), nullptr);
+}
+
+/// Which resistor of an inverter is wrong shows nowhere: one more across either mends it, of its kind and between its nodes.
+TEST_F(MeasuredResponse, APartAcrossIsOfTheKindOfWhatItMends) {
+  Sections one = wanted();
+  one.sections.pop_back();
+  design(one);
+  synthesis::Circuit built = made_.circuit;
+  built.parts[1].realised *= 1.2;
+  const Measured out = of(built);
+  ASSERT_FALSE(out.next.empty());
+  const schematic::SpiceLibrary mended =
+      schematic::read_spice(*next_.content("compensator.sub"), "compensator.sub");
+  std::vector<schematic::Part> parts;
+  for (const auto& sub : mended.subcircuits)
+    parts.insert(parts.end(), sub.netlist.parts.begin(), sub.netlist.parts.end());
+  ASSERT_EQ(parts.size(), built.parts.size() + 1);
+  const auto more = std::ranges::find_if(parts, [](const auto& part) { return part.name[1] == 'x'; });
+  ASSERT_NE(more, parts.end());
+  const auto across = std::ranges::find(parts, more->name.substr(3), &schematic::Part::name);
+  ASSERT_NE(across, parts.end()) << more->name;
+  EXPECT_EQ(more->name.substr(0, 3), "Rx_");
+  EXPECT_EQ(more->kind, schematic::Part::Kind::resistor);
+  EXPECT_EQ((std::set{more->from, more->to}), (std::set{across->from, across->to}));
+  EXPECT_NEAR(synthesis::Series::named("E96").nearest(more->realised), more->realised, 1e-9 * more->realised);
+  EXPECT_LT(out.after_percent, 0.1 * out.before_percent);
 }
 
 TEST_F(MeasuredResponse, NeedsSomethingThatCouldBeIt) {

@@ -63,9 +63,8 @@ class TerminalPort : public SerialPort {
       const double left = seconds - watch.seconds();
       if (left <= 0.0) return std::nullopt;
       pollfd wait{file_, POLLIN, 0};
-      const int ready = ::poll(&wait, 1, static_cast<int>(std::min(left, kReadSliceS) * 1000.0) + 1);
-      if (ready <= 0) continue;
-      std::uint8_t byte = 0;
+      ::poll(&wait, 1, static_cast<int>(std::min(left, kReadSliceS) * 1000.0) + 1);
+      std::uint8_t byte = 0;  // read() says whether there is one
       const ssize_t count = ::read(file_, &byte, 1);
       if (count == 1) {
         if (byte == kXon || byte == kXoff) continue;

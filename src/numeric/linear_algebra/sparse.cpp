@@ -1,16 +1,11 @@
 #include "numeric/linear_algebra/sparse.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <utility>
 
 #include "numeric/linear_algebra/sparse_lu.hpp"
 
 namespace bodesmith {
-
-void SparseSystem::clear_row(Eigen::Index row) {
-  a.erase(std::remove_if(a.begin(), a.end(), [row](const Entry& e) { return e.row == row; }), a.end());
-}
 
 void SparseSystem::transpose() {
   for (Entry& e : a) std::swap(e.row, e.column);

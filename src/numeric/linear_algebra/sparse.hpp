@@ -19,7 +19,6 @@ struct SparseSystem {
   void add(Eigen::Index row, Eigen::Index column, std::complex<double> value) {
     a.push_back({row, column, value});
   }
-  void clear_row(Eigen::Index row);
   void transpose();
   Eigen::MatrixXcd dense() const;
 };

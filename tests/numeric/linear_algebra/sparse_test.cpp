@@ -37,20 +37,17 @@ TEST(Sparse, SmallAndLargeSystemsAreSolved) {
   }
 }
 
-TEST(Sparse, RowsAreClearedAndTheTransposeIsAnotherSystem) {
+TEST(Sparse, TheTransposeIsAnotherSystem) {
   SparseSystem system = ring(150);
-  system.clear_row(4);
-  system.add(4, 9, 2.0);
-  system.b(4) = 6.0;
-  const Eigen::VectorXcd x = solve_sparse(system);
-  EXPECT_NEAR(x(9).real(), 3.0, 1e-12);
+  const Eigen::MatrixXcd before = system.dense();
   system.transpose();
+  EXPECT_EQ(system.dense(), before.transpose());
   EXPECT_LT(residual(system, solve_sparse(system)).norm(), 1e-8);
 }
 
 TEST(Sparse, WhatHasNoSolutionIsNotFinite) {
   SparseSystem system = ring(120);
-  system.clear_row(7);
+  std::erase_if(system.a, [](const SparseSystem::Entry& entry) { return entry.row == 7; });
   EXPECT_FALSE(solve_sparse(system).allFinite());
 }
 

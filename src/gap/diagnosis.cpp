@@ -126,13 +126,11 @@ double share_left(const Diagnosis& d, bool more_is_left) {
   return d.final.holdout_rms / d.refitted.holdout_rms;
 }
 
-/// Times a floor found above the band: noise that correlates over thirty samples stands so far above its own white level
-/// (root of (1 + rho)/(1 - rho)); half of it would call red noise of ten samples a gap.
-constexpr double kFarAboveWhite = 8.0;
+/// Times a floor of white noise above the band: 1/f noise has half of that over its own level up there.
+constexpr double kFarAboveWhite = 4.0;
 
 bool is_far_above_white_floor(const Diagnosis& d) {
-  return d.floor.source == NoiseFloor::Source::high_frequency &&
-         std::max(d.final.train_rms, d.final.holdout_rms) > kFarAboveWhite * d.floor.rms;
+  return d.floor.is_white && std::max(d.final.train_rms, d.final.holdout_rms) > kFarAboveWhite * d.floor.rms;
 }
 
 }  // namespace

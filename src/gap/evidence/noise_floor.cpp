@@ -84,11 +84,10 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
   const double density =
       median({e.power.begin() + static_cast<std::ptrdiff_t>(begin), e.power.end()}) / std::log(2.0);
   const double level = density * static_cast<double>(e.power.size());
-  // Noise that forgets itself stands there, too: where less than half of the level is white, it is no floor.
-  const double white = most_likely_red_noise({residual}).white_share * rms(residual) * rms(residual);
-  if (white < 0.5 * level) return floor;
   floor.source = NoiseFloor::Source::high_frequency;
   floor.rms = std::sqrt(level);
+  const double white = most_likely_red_noise({residual}).white_share * rms(residual) * rms(residual);
+  floor.is_white = white > 0.5 * level;
   return floor;
 }
 

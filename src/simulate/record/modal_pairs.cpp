@@ -1,8 +1,6 @@
 #include "simulate/record/modal_pairs.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -116,12 +114,11 @@ ModalSystem ModalSystem::from(const StateSpace& system) {
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> a(
       system.a.data(), n, n);
   const std::optional<EigenSystem> modes = eigen_system(a);
-  const Eigen::FullPivLU<Eigen::MatrixXcd> lu(modes ? modes->vectors : Eigen::MatrixXcd::Zero(n, n));
-  if (!modes || !lu.isInvertible()) {
+  if (!modes) {
     m.condition = std::numeric_limits<double>::infinity();
     return m;
   }
-  const Eigen::VectorXcd in = lu.solve(as_eigen(system.b).cast<ModalComplex>());
+  const Eigen::VectorXcd in = solve_lu(modes->vectors, as_eigen(system.b).cast<ModalComplex>());
   const Eigen::RowVectorXcd out = as_eigen(system.c).cast<ModalComplex>().transpose() * modes->vectors;
   for (Eigen::Index k = 0; k < n; ++k) {
     const ModalComplex p = modes->values(k);

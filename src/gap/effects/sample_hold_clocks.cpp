@@ -16,7 +16,7 @@ namespace {
 /// Clocks kept at each length of the look.
 constexpr std::size_t kKept = 8;
 /// Clocks of the first look in one cycle over its length, and new ones on either side of each in the next.
-constexpr int kFiner = 2;
+constexpr int kFinerClocks = 2;
 /// Samples of the first look.
 constexpr std::size_t kFirstLook = 1200;
 /// The fastest clock that is looked for, in samplings: a hold faster than the record leaves images that sampling
@@ -92,7 +92,7 @@ double likeness_to_stairs(const std::vector<double>& signal, const std::vector<d
 std::vector<ScoredClock> likely_fast_clocks(const std::vector<double>& signal,
                                             const std::vector<double>& residual, bool half, double low,
                                             std::size_t n) {
-  const std::size_t length = kFiner * n;
+  const std::size_t length = kFinerClocks * n;
   std::vector<ScoredClock> found;
   for (double octave = kFastClock; octave < kFastestClock; octave *= 2.0) {
     const auto lag = whole_number<std::size_t>(std::round((half ? 1.0 : 0.5) / (std::sqrt(2.0) * octave)));
@@ -129,7 +129,7 @@ Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const st
   const double low_hz =
       with_lag ? 0.5 * guess_hz : std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h));
   const double high_hz = with_lag ? 2.2 * guess_hz : kFastestClock / h;
-  double spacing = 1.0 / (kFiner * static_cast<double>(length) * h);
+  double spacing = 1.0 / (kFinerClocks * static_cast<double>(length) * h);
   std::vector<ScoredClock> scored;
   const double one_by_one_hz = with_lag ? high_hz : std::min(high_hz, kFastClock / h);
   for (double f = low_hz; f < one_by_one_hz; f += spacing) scored.emplace_back(likeness(f, length), f);
@@ -143,7 +143,7 @@ Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const st
     length = std::min(last, 2 * length);
     std::vector<ScoredClock> finer;
     for (const auto& [size, f] : scored) {
-      for (int k = -kFiner; k <= kFiner; ++k) {
+      for (int k = -kFinerClocks; k <= kFinerClocks; ++k) {
         const double g = f + 0.25 * k * spacing;
         finer.emplace_back(likeness(g, length), g);
       }

@@ -126,11 +126,9 @@ double share_left(const Diagnosis& d, bool more_is_left) {
   return d.final.holdout_rms / d.refitted.holdout_rms;
 }
 
-/// Times a floor of white noise above the band: 1/f noise has half of that over its own level up there.
-constexpr double kFarAboveWhite = 4.0;
-
-bool is_far_above_white_floor(const Diagnosis& d) {
-  return d.floor.is_white && std::max(d.final.train_rms, d.final.holdout_rms) > kFarAboveWhite * d.floor.rms;
+bool is_more_than_noise(const Diagnosis& d) {
+  return d.floor.source == NoiseFloor::Source::high_frequency &&
+         std::max(d.final.train_rms, d.final.holdout_rms) > d.floor.most_noise;
 }
 
 }  // namespace
@@ -174,7 +172,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.verdict = verdict_of(d.search, d.search.train_rms);
   d.holdout_disagrees = disagrees(d);
   // What is claimed of the training records and does not hold elsewhere is not explained.
-  if ((d.holdout_disagrees || is_far_above_white_floor(d)) && d.verdict == Verdict::explained)
+  if ((d.holdout_disagrees || is_more_than_noise(d)) && d.verdict == Verdict::explained)
     d.verdict = Verdict::partly_explained;
   if (d.holdout_disagrees && d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
   const bool more_is_left = d.verdict == Verdict::partly_explained || d.verdict == Verdict::unexplained;

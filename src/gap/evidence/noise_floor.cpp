@@ -21,6 +21,9 @@ constexpr double kMaxBand = 0.7;
 /// Bins above the band, below which nothing is said.
 constexpr std::size_t kMinBins = 8;
 
+/// Times a floor that is for the most part white: 1/f noise has half of that over its own level up there.
+constexpr double kFarAboveWhite = 4.0;
+
 }  // namespace
 
 std::string to_string(NoiseFloor::Source source) {
@@ -87,7 +90,9 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
   floor.source = NoiseFloor::Source::high_frequency;
   floor.rms = std::sqrt(level);
   const double white = most_likely_red_noise({residual}).white_share * rms(residual) * rms(residual);
-  floor.is_white = white > 0.5 * level;
+  // That of the longest memory stands by root of (1 + rho)/(1 - rho) over its own level there.
+  const double longest = kOverFloor * std::sqrt(2.0 * kLongestNoise * static_cast<double>(residual.size()));
+  floor.most_noise = floor.rms * (white > 0.5 * level ? kFarAboveWhite : std::max(longest, kFarAboveWhite));
   return floor;
 }
 

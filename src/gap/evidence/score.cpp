@@ -8,6 +8,7 @@
 #include <span>
 
 #include "gap/effect.hpp"
+#include "gap/evidence/noise_floor.hpp"
 #include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
@@ -44,10 +45,6 @@ struct Noise {
   double size = 0.0;  ///< of white noise: responses, and rests of rounding
   bool white = false;
 };
-
-/// Noise forgets itself within so much of the longest record: what is slower is something missing. With half of it a line has a third
-/// less evidence and slow noise passes for a drift less often.
-constexpr double kLongestNoise = 0.1;
 
 /// Degrees of freedom of the innovations' distribution: tails as those of corners and jumps that a model leaves. With 8 they count
 /// for more, and smooth lags win over what limits a rate; with infinitely many (Gauss) far more.

@@ -171,10 +171,11 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.constant_offsets = constant_offsets(meter, d.search.final, study);
   d.verdict = verdict_of(d.search, d.search.train_rms);
   d.holdout_disagrees = disagrees(d);
-  // What is claimed of the training records and does not hold elsewhere is not explained.
-  if ((d.holdout_disagrees || is_more_than_noise(d)) && d.verdict == Verdict::explained)
-    d.verdict = Verdict::partly_explained;
-  if (d.holdout_disagrees && d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
+  // What is claimed of the training records and does not hold elsewhere, or leaves more than noise, is not so.
+  if (d.holdout_disagrees || is_more_than_noise(d)) {
+    if (d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
+    if (d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
+  }
   const bool more_is_left = d.verdict == Verdict::partly_explained || d.verdict == Verdict::unexplained;
   auto posterior = posterior_of(d.search, more_is_left, share_left(d, more_is_left));
   for (std::size_t k = 0; k < d.steps.size(); ++k) {

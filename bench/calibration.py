@@ -193,7 +193,7 @@ def is_large(row, kind):
 
 
 def five_times(row):
-    """Whether all of a case is."""
+    """Whether all of a case is; a control has nothing that is not."""
     return all(size >= 5 for size in row["truth"]["sizes"])
 
 
@@ -201,7 +201,7 @@ def wrong(row):
     """Whether a case counts against the program."""
     if hidden(row) is None:
         return row["verdict"] not in ("unexplained", "partly_explained")
-    return bool(any(missed(row)) and (five_times(row) or not row["truth"]["kinds"]))
+    return any(missed(row)) and five_times(row)
 
 
 def score(args):

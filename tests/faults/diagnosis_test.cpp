@@ -58,7 +58,14 @@ Diagnosis diagnosed(const synthesis::Circuit& designed, const synthesis::Circuit
   Measurement measurement;
   measurement.channels.push_back(seen(grid, schematic::network_response(built, grid), 5, with_phase));
   const CircuitBoard board(designed, measurement, Spread());
-  Diagnosis out = diagnose_board(board, DiagnosisOptions());
+  DiagnosisOptions options;
+  double share = 0.0;
+  options.progress = [&](double now) {
+    EXPECT_GE(now, share);  // it never goes back
+    share = now;
+  };
+  Diagnosis out = diagnose_board(board, options);
+  EXPECT_LE(share, 1.0);
   expect_told(out, board);
   if (!kept.empty())
     expect_kept(kept, line_a_key(to_json(out, board, Spread(), Priors())) + summary_text(out) +

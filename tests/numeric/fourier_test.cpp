@@ -1,6 +1,7 @@
 #include "numeric/fourier.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <cmath>
 #include <numbers>
@@ -76,6 +77,16 @@ TEST(Fourier, HalfSpectrumOfARealSignal) {
     ASSERT_EQ(again.size(), n);
     for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(again[i], real[i], 2e-14) << n;
   }
+}
+
+TEST(Fourier, TablesOfFewLengthsAreKept) {
+  const auto held = [] {
+    const struct mallinfo2 now = mallinfo2();
+    return static_cast<double>(now.uordblks + now.hblkhd);
+  };
+  const double before = held();
+  for (std::size_t n = 20000; n < 35000; n += 500) fourier(std::vector<Complex>(smooth_length(n)));
+  EXPECT_LT(held() - before, 10.0 * 35000 * sizeof(Complex));  // of thirty lengths no more than ten
 }
 
 TEST(Fourier, NothingCannotBeTransformed) {

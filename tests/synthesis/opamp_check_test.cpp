@@ -162,6 +162,19 @@ TEST(OpAmpCheck, EachFigureWarnsFromItsLimitOn) {
   };
   EXPECT_TRUE(offset_for(0.99).empty());
   EXPECT_TRUE(only(offset_for(1.01), "add up to"));
+  // The circuit is linear: with limits as many times as large as the amplitude the same is warned of.
+  for (const double amplitude : {0.2, 1.0, 3.0}) {
+    for (const double part : {0.99, 1.01}) {
+      const auto scaled = [&](OpAmpModel& m) {
+        m.slew_v_per_s *= part * amplitude * band.to.value / full;
+        m.swing_v = part * amplitude * highest;
+        m.greatest_output_current_a = part * amplitude * current;
+        m.offset_v *= amplitude / part * 0.01 / good.output_offset_v;
+        m.bias_current_a *= amplitude / part * 0.01 / good.output_offset_v;
+      };
+      EXPECT_EQ(warnings(scaled, amplitude).size(), part < 1.0 ? 4u : 0u) << amplitude;
+    }
+  }
   EXPECT_NEAR(good.noise_rms_v, schematic::output_noise_rms(made.circuit, band), 1e-12);
 }
 

@@ -258,6 +258,25 @@ TEST(An231Stream, CollisionsInAStreamAreNamed) {
   EXPECT_THAT(problems_after(0, 0x0A, 0x04), HasSubstr("expected equal divisors"));
 }
 
+TEST(An231Stream, ASwitchedCapacitorWithoutUnitsIsNamedByEachOfItsBytes) {
+  for (int cab = 1; cab <= kCabs; ++cab) {
+    for (int c = 1; c <= kCapacitors; ++c) {
+      const Address at = switches_at(cab, c);
+      for (int k = 0; k < 4; ++k) {
+        MemoryImage memory;
+        memory.set(at.bank, at.byte + k, 0x01);
+        std::string named;
+        for (const std::string& p : read_circuit(memory, 1).problems) {
+          if (p.find("zero units") != std::string::npos) named += p;
+        }
+        EXPECT_EQ(named,
+                  "CAB " + std::to_string(cab) + " C" + std::to_string(c) + " is switched but has zero units")
+            << k;
+      }
+    }
+  }
+}
+
 TEST(An231Stream, ChangesOfOneBitAreNoticed) {
   // Facts, part 5: of the single-bit changes of an eight-stage stream all but those of unused clocks' divisors,
   // extra power bits, nibbles without a cell and equivalent routes are noticed.

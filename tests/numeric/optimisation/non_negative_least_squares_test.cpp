@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "numeric/random.hpp"
 
 namespace bodesmith {
@@ -50,6 +52,22 @@ TEST(NonNegative, ItSatisfiesKuhnAndTucker) {
     EXPECT_EQ(found.termination, Termination::gradient);
     expect_optimal(p, found.x, 1e-8);
     EXPECT_NEAR(found.cost, 0.5 * (p.a * found.x - p.b).squaredNorm(), 1e-9);
+  }
+}
+
+TEST(NonNegative, TheUnitOfTheRightSideIsThatOfTheSolution) {
+  const Problem p = random_problem(40, 12, 7);
+  LinearMap map{12, 40, [&](const VectorXd& x, VectorXd& y) { y = p.a * x; },
+                [&](const VectorXd& r, VectorXd& g) { g = p.a.transpose() * r; }};
+  const auto of_unit = [&](double unit) {
+    return non_negative_least_squares(map, unit * p.b, VectorXd::Zero(12), VectorXd::Ones(12), {});
+  };
+  const NonNegativeResult one = of_unit(1.0);
+  for (const double unit : {std::ldexp(1.0, -330), std::ldexp(1.0, 330)}) {
+    const NonNegativeResult found = of_unit(unit);
+    EXPECT_EQ(found.x, unit * one.x);
+    EXPECT_EQ(found.kkt, one.kkt);
+    EXPECT_EQ(found.iterations, one.iterations);
   }
 }
 

@@ -48,6 +48,19 @@ TEST(ApproximateCascade, MeetsTheLimitWithTheFewestPoles) {
   }
 }
 
+// The errors of neighbours add at their plateaus. The wide term's, worst by itself, falls slowly with its poles, the narrow
+// one's at once: poles given to the worst end at 8 and 2.
+TEST(ApproximateCascade, TakesPolesAwayWhereAnotherSplitNeedsFewer) {
+  Cascade cascade;
+  cascade.terms = {{100.0, 1e-4, 0.5}, {0.16, 0.34, 0.92}};
+  ApproximationOptions options;
+  options.max_error_db = 0.019;
+  const auto made = approximate_cascade(cascade, options);
+  EXPECT_TRUE(made.limit_met());
+  EXPECT_EQ(made.terms[0].order, 7);
+  EXPECT_EQ(made.terms[1].order, 2);
+}
+
 TEST(ApproximateCascade, SaysWhenALimitCannotBeMet) {
   Cascade wide;
   wide.terms.push_back({1.0, 1e-6, 0.5});

@@ -10,11 +10,12 @@
 #include "gap/cases/deck.hpp"
 #include "gap/cases/random.hpp"
 #include "gap/cases/signals.hpp"
+#include "gap/cases/time_base.hpp"
 
 namespace hidden {
 namespace {
 
-const std::map<std::string, std::vector<std::string>>& effects_by_base() {
+const std::map<std::string, std::vector<std::string>>& spice_effects() {
   static const std::map<std::string, std::vector<std::string>> effects = {
       {"opamp_gain",
        {"offset", "drift", "mains_hum", "time_delay", "amplifier_pole", "resonance", "slew_limit",
@@ -30,7 +31,7 @@ const std::map<std::string, std::vector<std::string>>& effects_by_base() {
   return effects;
 }
 
-struct Base {
+struct SpiceBase {
   std::string model = "schema = \"bodesmith.model/1\"\n";
   std::vector<TwoPort> ports;
   double step_s = 1e-4;
@@ -45,17 +46,6 @@ struct Base {
   std::vector<double> up, down;
 };
 
-std::string gain_text(double gain) {
-  return fmt::format("[[block]]\ntype = \"gain\"\ngain = {}\noffset = 0.0\nfree = [\"gain\"]\n", gain);
-}
-
-std::string resonator_text(double gain, double hz, double damping) {
-  return fmt::format(
-      "[[block]]\ntype = \"resonator\"\ngain = {}\nnatural_frequency_hz = {}\ndamping_ratio = {}\n"
-      "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n",
-      gain, hz, damping);
-}
-
 std::string lowpass_text(double corner) {
   return fmt::format("[[block]]\ntype = \"lowpass\"\ncorner_hz = {}\nfree = [\"corner_hz\"]\n", corner);
 }
@@ -63,12 +53,13 @@ std::string lowpass_text(double corner) {
 // One table of bases and one of effects: each entry draws what it needs from the seed, and is read on its
 // own.
 
-Base make_base(const std::string& name, Random& random, bool right, std::size_t rows, double min_duration_s) {
+SpiceBase make_base(const std::string& name, Random& random, bool right, std::size_t rows,
+                    double min_duration_s) {
   const auto U = [&](double a, double c) { return uniform(random, a, c); };
   const auto off = [&](double value, double part) {
     return right ? value : value * U(1.0 - part, 1.0 + part);
   };
-  Base b;
+  SpiceBase b;
   b.step_s = std::max(log_uniform(random, 1e-5, 4e-4), min_duration_s / static_cast<double>(rows));
   b.band_hz = U(0.015, 0.04) / b.step_s;
   b.amplitude = U(0.4, 1.0);
@@ -151,7 +142,7 @@ Seen look(const std::vector<double>& y, double step_s) {
   return s;
 }
 
-std::vector<TwoPort> hide(const Base& b, const std::string& effect, const Seen& out, double total_s,
+std::vector<TwoPort> hide(const SpiceBase& b, const std::string& effect, const Seen& out, double total_s,
                           Random& random) {
   const auto U = [&](double a, double c) { return uniform(random, a, c); };
   const auto sign = [&] { return coin(random) ? -1.0 : 1.0; };
@@ -239,7 +230,8 @@ bool wants_changing_amplitude(const Specification& s) {
   return s.base == "switched" || s.what[0] == "hysteresis" || s.what[0] == "backlash";
 }
 
-std::vector<double> make_input(const Base& b, bool memory, bool holdout, std::size_t rows, Random& random) {
+std::vector<double> make_input(const SpiceBase& b, bool memory, bool holdout, std::size_t rows,
+                               Random& random) {
   auto u = make_drive(pick_drive(random, holdout, memory), rows, b.step_s, b.band_hz, random);
   const double scale = b.amplitude * (holdout ? uniform(random, 0.8, 1.0) : 1.0);
   for (double& v : u) v *= scale;
@@ -259,7 +251,7 @@ const std::vector<std::string>& spice_bases() {
 }
 
 const std::vector<std::string>& spice_effects(const std::string& base) {
-  return effects_by_base().at(base);
+  return spice_effects().at(base);
 }
 
 const std::vector<std::string>& spice_control_kinds() {
@@ -278,7 +270,7 @@ Case make_spice_case(const Specification& s) {
       s.rows > 0 ? s.rows : static_cast<std::size_t>(log_uniform(random, 2000.0, 6000.0));
   const bool control = s.kind == Kind::control;
   const std::string& what = s.what[0];
-  const Base b =
+  const SpiceBase b =
       make_base(s.base, random, control && what != "parameters_off", rows, what == "mains_hum" ? 0.15 : 0.0);
   Case c;
   c.specification = s;
@@ -311,7 +303,7 @@ Case make_spice_case(const Specification& s) {
 
 CleanDeck make_clean_deck(const std::string& base, std::uint64_t seed, std::size_t rows) {
   Random random(seed);
-  const Base b = make_base(base, random, true, rows, 0.0);
+  const SpiceBase b = make_base(base, random, true, rows, 0.0);
   CleanDeck out;
   out.model = b.model;
   out.record.file = "clean.csv";

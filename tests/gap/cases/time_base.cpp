@@ -18,17 +18,6 @@ Fine refine(const std::vector<double>& u) {
   return fine;
 }
 
-std::string resonator_text(double gain, double hz, double damping) {
-  return fmt::format(
-      "[[block]]\ntype = \"resonator\"\ngain = {}\nnatural_frequency_hz = {}\ndamping_ratio = {}\n"
-      "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n",
-      gain, hz, damping);
-}
-
-std::string gain_text(double gain) {
-  return fmt::format("[[block]]\ntype = \"gain\"\ngain = {}\noffset = 0.0\nfree = [\"gain\"]\n", gain);
-}
-
 void put(std::vector<Stage>& stages, size_t at, Stage stage) {
   stages.insert(stages.begin() + static_cast<std::ptrdiff_t>(at), std::move(stage));
 }
@@ -62,6 +51,17 @@ Stage slow_section(Section s, double wt) {
 }
 
 }  // namespace
+
+std::string resonator_text(double gain, double hz, double damping) {
+  return fmt::format(
+      "[[block]]\ntype = \"resonator\"\ngain = {}\nnatural_frequency_hz = {}\ndamping_ratio = {}\n"
+      "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n",
+      gain, hz, damping);
+}
+
+std::string gain_text(double gain) {
+  return fmt::format("[[block]]\ntype = \"gain\"\ngain = {}\noffset = 0.0\nfree = [\"gain\"]\n", gain);
+}
 
 std::vector<double> play_chain(const std::vector<Stage>& stages, const std::vector<double>& u,
                                double step_s) {

@@ -50,4 +50,8 @@ void hide_outsider(const TimeBase& base, std::vector<Stage>& stages, const std::
 
 std::vector<double> play_chain(const std::vector<Stage>& stages, const std::vector<double>& u, double step_s);
 
+/// A block of a base model, its parameters free.
+std::string resonator_text(double gain, double hz, double damping);
+std::string gain_text(double gain);
+
 }  // namespace hidden

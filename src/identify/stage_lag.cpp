@@ -89,9 +89,9 @@ double cubic(const std::array<double, 3>& a, double x) {
   return x * (a[0] + x * (a[1] + x * a[2]));
 }
 
-/// True where the input rises, every sample; what turns within 2 % of the range is noise.
-std::vector<bool> rising_samples(const std::vector<double>& u) {
-  std::vector<bool> out(u.size(), true);
+/// True where the input rises, every sample (bits would cost a call each); what turns within 2 % of the range is noise.
+std::vector<char> rising_samples(const std::vector<double>& u) {
+  std::vector<char> out(u.size(), true);
   for (const hysteresis::Branch& branch : hysteresis::branches(u, 0.02))
     std::fill(out.begin() + static_cast<std::ptrdiff_t>(branch.first),
               out.begin() + static_cast<std::ptrdiff_t>(branch.last) + 1, branch.rising);
@@ -162,7 +162,7 @@ Eigen::MatrixXd StageColumns::of(const TurnedRecord& turned, const Scaling& inpu
   const std::size_t n = record.size();
   std::vector<double> u = record.u;
   for (double& value : u) value = (input(value) - origin) / stroke;
-  std::vector<bool> rising = rising_samples(u);
+  std::vector<char> rising = rising_samples(u);
   if (lag.kind == Kind::amplifier) {
     const std::vector<double> late = behind_a_pole(u, record.step_s, lag.seconds);
     for (std::size_t i = 0; i < n; ++i) rising[i] = u[i] > late[i] || (u[i] == late[i] && rising[i]);

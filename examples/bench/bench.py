@@ -12,6 +12,7 @@ PART=FACTOR solders another value: R2_1=1.1 is ten percent too much.
 """
 
 import argparse
+import bisect
 import cmath
 import csv
 import json
@@ -190,11 +191,8 @@ def controller(arguments, changed):
 
     def drive(r, rising):
         table = curve[rising]
-        low, high = 0, len(grid) - 1
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (middle, high) if table[middle] <= r else (low, middle)
-        return grid[low] + (grid[high] - grid[low]) * (r - table[low]) / (table[high] - table[low])
+        low = bisect.bisect_right(table, r, 1, len(grid) - 1) - 1
+        return grid[low] + (grid[low + 1] - grid[low]) * (r - table[low]) / (table[low + 1] - table[low])
 
     def rate(branch):
         table = disturbance.get("rate", {}).get(branch)
@@ -225,7 +223,7 @@ def controller(arguments, changed):
         made = 0.86 * (u + (z1 - p1) * b + (z0 - p0) * a)
         return (corner * (v - x), b, u - p1 * b - p0 * a, dq, wn * wn * (made - q) - 2.0 * zeta * wn * dq)
 
-    period, periods, samples, inner = 1.0 / f, 3, 300, 128
+    period, periods, samples, inner = 1.0 / f, 3, 300, 64
     if f < 50.0:
         inner = int(inner * 50.0 / f)
     dt = period / samples / inner

@@ -42,24 +42,20 @@ def test_three_rows_say_the_same_and_are_held_to_it(tmp_path):
     assert {key + "_percent" for key in keys} <= set(table[0])
 
 
-def test_half_a_stroke_by_amplitude_gains_in_closed_form_too(tmp_path):
+def test_half_a_stroke_by_amplitude_gains_in_closed_form_too_and_a_limit_that_is_not_met_is_exit_status_1(tmp_path):
     """The closed form took the gains of the full stroke: 7 % of half of one where CVODE and ngspice have .1."""
     (tmp_path / "gains.csv").write_text((ROOT / "examples/nanopositioner/gains.csv").read_text())
     (tmp_path / "d.json").write_text((ROOT / "examples/papers/amplitude_gains.json").read_text())
     (tmp_path / "project.toml").write_text(
         'schema = "bodesmith.project/1"\nname = "half"\n[target]\npoints = "gains.csv"\ndisturbance = "d.json"\nbase_hz = 1.0\n'
-        "[approximate]\norder = 1\n[hardware.circuit]\n[plant]\nstroke_m = 7e-6\n[track]\namplitude = 0.5\nfrequency_hz = [20, 100]\n"
+        "[approximate]\norder = 1\n[hardware.circuit]\n[plant]\nstroke_m = 7e-6\n[track]\namplitude = 0.5\nfrequency_hz = [100]\n"
+        "[limits]\ntracking_percent = 0.001\n"
     )
     done = run("run", tmp_path / "project.toml", "-o", tmp_path / "out", env={"BODESMITH_NGSPICE": "/nowhere"})
-    assert done.status == 0, done.out + done.err
+    assert done.status == 1 and "limit      tracking_percent 0.001" in done.out and "NOT met" in done.out, done.out + done.err
     controller = json.loads((tmp_path / "out/run.json").read_text())["tracking"]["engines"][0]
     assert controller["cvode_percent"] < 0.1
     assert controller["closed_form_percent"] == pytest.approx(controller["cvode_percent"], abs=0.03)
-
-
-def test_a_limit_that_is_not_met_is_exit_status_1(tmp_path):
-    done = run("run", project(tmp_path, "tracking_percent = 0.001\n"), "-o", tmp_path / "out", env={"BODESMITH_NGSPICE": "/nowhere"})
-    assert done.status == 1 and "limit      tracking_percent 0.001" in done.out and "NOT met" in done.out
 
 
 def test_projects_without_a_stage_do_not_track(tmp_path):

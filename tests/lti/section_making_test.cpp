@@ -165,5 +165,27 @@ TEST(MakeSections, BiquadsAreTheSameAndZerosStandNearTheirPoles) {
   }
 }
 
+// In rising order they are nearest in all (in log frequency): each to the nearest pole, -5 would take -10 from -9.
+TEST(MakeSections, AsManyRealZerosAsPolesPairInRisingOrder) {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> decades(0.0, 3.0);
+  for (int draw = 0; draw < 20; ++draw) {
+    std::vector<Complex> zeros{-5.0, -9.0}, poles{-1.0, -10.0};
+    for (int more = 0; more < draw % 4; ++more) {
+      zeros.emplace_back(-std::pow(10.0, decades(random)));
+      poles.emplace_back(-std::pow(10.0, decades(random)));
+    }
+    const Sections made = make_sections(1.0, zeros, poles);
+    const auto rising = [](const Complex& a, const Complex& b) { return a.real() > b.real(); };
+    std::ranges::sort(zeros, rising);
+    std::ranges::sort(poles, rising);
+    ASSERT_EQ(made.sections.size(), poles.size());
+    for (std::size_t i = 0; i < poles.size(); ++i) {
+      EXPECT_EQ(made.sections[i].poles, std::vector{poles[i]});
+      EXPECT_EQ(made.sections[i].zeros, std::vector{zeros[i]});
+    }
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith

@@ -11,13 +11,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// A lag and eight modes of damping 1e-4 to 0.03 between its points, noise of 1e-4.
-ResponseSamples lag_and_modes() {
-  std::mt19937_64 random(3);
+/// A lag and modes of damping 1e-4 to 0.03 over three decades.
+ResponseSamples lag_and_modes(unsigned seed, int count, double noise) {
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> share;
   std::normal_distribution<double> normal;
   std::vector<std::array<double, 3>> modes;  // w0, damping, height
-  for (int k = 0; k < 8; ++k) {
+  for (int k = 0; k < count; ++k) {
     const double w0 = std::pow(10.0, -2.8 + 2.7 * share(random));
     const double damping = std::pow(10.0, -4.0 + 2.5 * share(random));
     const double height = std::pow(10.0, -1.5 * share(random));
@@ -31,15 +31,15 @@ ResponseSamples lag_and_modes() {
       h += height * 2.0 * damping * w0 * w0 / (s * s + 2.0 * damping * w0 * s + w0 * w0);
     const double re = normal(random), im = normal(random);
     out.s.push_back(s);
-    out.response.push_back(h + 1e-4 * std::sqrt(0.5) * Complex(re, im));
-    out.deviation.push_back(1e-4);
+    out.response.push_back(h + noise * std::sqrt(0.5) * Complex(re, im));
+    out.deviation.push_back(noise);
   }
   return out;
 }
 
 // Started from evenly spread poles alone, or with new ones elsewhere, one narrow mode is missed: 484 and more.
 TEST(MeasuredSearch, PolesAreAddedWhereTheErrorIsLargest) {
-  const ResponseSamples samples = lag_and_modes();
+  const ResponseSamples samples = lag_and_modes(3, 8, 1e-4);
   MeasuredSearch search(samples, false);
   double before = INFINITY;
   for (int order = 1; order <= 17; ++order) {
@@ -48,6 +48,14 @@ TEST(MeasuredSearch, PolesAreAddedWhereTheErrorIsLargest) {
     before = cost;
   }
   EXPECT_LT(before, 420.0);  // of 400 points, each of mean 1
+}
+
+// Low modes lie close together on a linear axis: poles that begin there alone leave one out.
+TEST(MeasuredSearch, AnOrderAskedForByItselfMeetsModesOverDecades) {
+  for (const unsigned seed : {14u, 21u, 25u}) {
+    const ResponseSamples samples = lag_and_modes(seed, 4, 1e-2);
+    EXPECT_LT(MeasuredSearch(samples, false).of_order(9).cost, 450.0) << seed;  // of 400 points
+  }
 }
 
 }  // namespace

@@ -126,11 +126,6 @@ double share_left(const Diagnosis& d, bool more_is_left) {
   return d.final.holdout_rms / d.refitted.holdout_rms;
 }
 
-bool is_more_than_noise(const Diagnosis& d) {
-  return d.floor.source == NoiseFloor::Source::high_frequency &&
-         std::max(d.final.train_rms, d.final.holdout_rms) > d.floor.most_noise;
-}
-
 }  // namespace
 
 Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOptions& options) {
@@ -171,8 +166,8 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.constant_offsets = constant_offsets(meter, d.search.final, study);
   d.verdict = verdict_of(d.search, d.search.train_rms);
   d.holdout_disagrees = disagrees(d);
-  // What is claimed of the training records and does not hold elsewhere, or leaves more than noise, is not so.
-  if (d.holdout_disagrees || is_more_than_noise(d)) {
+  // What is claimed of the training records and does not hold elsewhere is not so.
+  if (d.holdout_disagrees) {
     if (d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
     if (d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
   }

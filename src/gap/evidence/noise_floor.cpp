@@ -8,7 +8,6 @@
 #include "numeric/fourier.hpp"
 #include "signal/period.hpp"
 #include "signal/periodogram.hpp"
-#include "signal/red_noise.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -20,9 +19,6 @@ constexpr double kPowerAboveBand = 1e-6;
 constexpr double kMaxBand = 0.7;
 /// Bins above the band, below which nothing is said.
 constexpr std::size_t kMinBins = 8;
-
-/// Times a floor that is for the most part white: 1/f noise has half of that over its own level up there.
-constexpr double kFarAboveWhite = 4.0;
 
 }  // namespace
 
@@ -86,13 +82,8 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
   if (begin + kMinBins > e.power.size()) return floor;
   const double density =
       median({e.power.begin() + static_cast<std::ptrdiff_t>(begin), e.power.end()}) / std::log(2.0);
-  const double level = density * static_cast<double>(e.power.size());
   floor.source = NoiseFloor::Source::high_frequency;
-  floor.rms = std::sqrt(level);
-  const double white = most_likely_red_noise({residual}).white_share * rms(residual) * rms(residual);
-  // That of the longest memory stands by root of (1 + rho)/(1 - rho) over its own level there.
-  const double longest = kOverFloor * std::sqrt(2.0 * kLongestNoise * static_cast<double>(residual.size()));
-  floor.most_noise = floor.rms * (white > 0.5 * level ? kFarAboveWhite : std::max(longest, kFarAboveWhite));
+  floor.rms = std::sqrt(density * static_cast<double>(e.power.size()));
   return floor;
 }
 

@@ -13,8 +13,6 @@ struct NoiseFloor {
   enum class Source { periods, high_frequency, unknown };
   double rms = 0.0;
   Source source = Source::unknown;
-  /// high_frequency: the rms that noise with this level may have; more is something missing.
-  double most_noise = 0.0;
   std::size_t period = 0;  ///< samples; 0: of a response
   int periods = 0;
   /// rms of the part that repeats (periods only): the gap proper; of its harmonics, odd and even ones.
@@ -28,6 +26,9 @@ constexpr double kOverFloor = 1.5;
 /// Noise forgets itself within so much of the longest record: what is slower is something missing. With half of it a line has a third
 /// less evidence and slow noise passes for a drift less often.
 constexpr double kLongestNoise = 0.1;
+
+/// The least rms of a rest, in parts of the largest range: a term that leaves nothing at all leaves rounding.
+constexpr double kLeastRest = 1e-7;
 
 /// "periods", "high_frequency" or "unknown", as in diagnosis.json.
 std::string to_string(NoiseFloor::Source source);

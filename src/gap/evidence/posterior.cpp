@@ -12,12 +12,12 @@ namespace {
 // The odds that the names told are not the answer go with what they leave of the gap (bench/calibration.py, 1 510 names told of 1 384 drawn cases of
 // three generators, one in eleven of them with something outside the catalogue): k times the share of it that is left of the held-out records.
 // How plain a sign is tells nothing more.
-/// k where the verdict is that nothing is left: 53 of 1 166 names were wrong, 28 of the 181 that leave a fifth and more.
-constexpr double kOddsOfAWhole = 0.35;
+/// k where the verdict is that nothing is left: 7 of 284 names were wrong, 5 of the 90 that leave a tenth and more.
+constexpr double kOddsOfAWhole = 0.2;
 /// Where held-out records, or a floor, contradict what was found, and there is no sign: of 128 names 71 were right, of those that leave
 /// a tenth at most 8 in 9.
 constexpr double kOddsContradicted = 4.0;
-/// Where a sign says that something is left: of 216 names 62 were right, of those that leave a twentieth 8 in 9.
+/// Where a sign says that something is left: of 58 names 14 were right, of those that leave a twentieth 7 in 9.
 constexpr double kOddsASign = 15.0;
 /// As sure as it ever is, and with nothing found and nothing left: 8 of 232 such verdicts, 5 of the 458 surest names were wrong.
 constexpr double kLeastOutside = 0.02;

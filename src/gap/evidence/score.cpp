@@ -23,8 +23,6 @@ using Eigen::Index;
 
 /// T. Twice as large: a name must be twice as plain, and a name's odds become their own square root (docs/gap.md).
 constexpr double kTemperature = 3.0;
-/// The least rms of a rest, in parts of the largest range: a term that leaves nothing at all leaves rounding.
-constexpr double kLeastRest = 1e-7;
 
 /// What belongs to each record, in the order of the residuals.
 std::vector<std::span<double>> by_record(const Experiments& train, std::span<double> residuals) {

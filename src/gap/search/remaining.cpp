@@ -53,21 +53,6 @@ std::optional<Leftover> leftover_of(const Model& model, const FrequencyExperimen
   return l;
 }
 
-/// A record's two halves, so that one can tell of the other.
-std::vector<Leftover> halves_of(const Leftover& whole) {
-  std::vector<Leftover> halves(2);
-  for (std::size_t k = 0; k < 2; ++k) {
-    const auto part = [&](const std::vector<double>& v) {
-      const std::size_t middle = v.size() / 2;
-      const auto all = std::span(v);
-      const auto kept = k == 0 ? all.first(middle) : all.subspan(middle);
-      return std::vector<double>(kept.begin(), kept.end());
-    };
-    halves[k] = {part(whole.residual), part(whole.input), part(whole.output), whole.step_s, {}};
-  }
-  return halves;
-}
-
 std::vector<Leftover> leftovers_of(const Model& model, const Experiments& records) {
   std::vector<Leftover> all;
   for (const auto& e : records) {
@@ -88,9 +73,7 @@ NoiseFloor floor_under(const Model& model, const SearchRecords& records) {
 }
 
 std::vector<Sign> signs_left(const Model& model, const SearchRecords& records) {
-  const auto all = leftovers_of(model, records.train);
-  if (all.size() == 1 && all.front().response.empty()) return signs_of_structure(all, halves_of(all.front()));
-  return signs_of_structure(all, all);
+  return signs_of_structure(leftovers_of(model, records.train));
 }
 
 bool is_something_left(const Model& model, const SearchRecords& records) {

@@ -9,7 +9,7 @@
 
 namespace bodesmith::gap {
 
-/// A sign is more than so many deviations above the mean of surrogates' figures.
+/// A sign is more than so many deviations above the mean of what chance makes.
 inline constexpr double kDeviations = 7.0;
 
 /// Deviations of the correlation of neighbouring points of a response that are certainly alike; of heavy-tailed errors it has a larger

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "gap/evidence/noise_floor.hpp"
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signal_features.hpp"
 #include "gap/signs/signs.hpp"
@@ -12,60 +13,107 @@
 namespace bodesmith::gap {
 namespace {
 
-/// The ridge of the weights: grows with the residual's memory, as fewer effective samples carry fewer
-/// features.
-constexpr double kRidgePerSample = 0.3;
-constexpr double kRidge = 1e-6;
+using Eigen::Index;
 
-Eigen::VectorXd zero_mean(const std::vector<double>& v) {
-  const auto e = as_eigen(v);
-  return e.array() - e.mean();
+/// Earlier samples by which noise tells the next one: white, red, falling as 1/f or ringing with a mode or two. With half as many 1/f is
+/// less well followed; twice as many follow what is sought, too.
+constexpr Index kMemory = 8;
+/// Rounds of noise by what is left and weights by noise.
+constexpr int kRounds = 2;
+
+/// e(t) = x(t) - sum_j memory_j x(t - j), column by column, from the first sample on that has all earlier ones.
+Eigen::MatrixXd innovations(const Eigen::MatrixXd& x, const Eigen::VectorXd& memory) {
+  const Index n = x.rows() - kMemory;
+  Eigen::MatrixXd e = x.bottomRows(n);
+  for (Index j = 0; j < kMemory; ++j) e -= memory(j) * x.middleRows(kMemory - 1 - j, n);
+  return e;
 }
 
-/// Share of one residual's energy that weights learned on the other explain.
-class Prediction {
- public:
-  Prediction(const Leftover& learn, const Leftover& apply) {
-    const auto scales = signal_scales(learn, apply);
-    x_ = signal_features(learn, scales);
-    z_ = signal_features(apply, scales);
-    for (Eigen::Index j = 0; j < x_.cols(); ++j) {
-      const double size = std::max(x_.col(j).norm() / std::sqrt(static_cast<double>(x_.rows())), 1e-12);
-      x_.col(j) /= size;
-      z_.col(j) /= size;
-    }
-    gram_ = gram(x_);
-    gram_.diagonal().array() +=
-        kRidgePerSample * correlation_time(learn.residual) + kRidge * static_cast<double>(x_.rows());
+Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts, const Eigen::VectorXd& memory) {
+  std::vector<Eigen::MatrixXd> all;
+  Index rows = 0;
+  for (const auto& part : parts) rows += all.emplace_back(innovations(part, memory)).rows();
+  Eigen::MatrixXd out(rows, all.front().cols());
+  Index from = 0;
+  for (const auto& e : all) {
+    out.middleRows(from, e.rows()) = e;
+    from += e.rows();
   }
-  double share(const std::vector<double>& learn, const std::vector<double>& apply) const {
-    const Eigen::VectorXd f = zero_mean(apply);
-    const Eigen::VectorXd weights = solve_ldlt(gram_, transpose_times(x_, zero_mean(learn)));
-    const Eigen::VectorXd predicted = times(z_, weights);
-    // One factor for the whole prediction keeps a change of amplitude from spoiling it.
-    const double energy = predicted.squaredNorm();
-    const double factor = energy > 0.0 ? std::clamp(predicted.dot(f) / energy, 0.0, 1.0) : 0.0;
-    return 1.0 - (f - factor * predicted).squaredNorm() / std::max(f.squaredNorm(), 1e-300);
-  }
+  return out;
+}
 
- private:
-  Eigen::MatrixXd x_;
-  Eigen::MatrixXd z_;
-  Eigen::MatrixXd gram_;  ///< of the features learned from, with the ridge
+/// Autoregressive noise that several series have in common, by least squares.
+struct Autoregression {
+  Eigen::VectorXd memory;
+  double variance = 0.0;  ///< of its innovations
 };
+
+Autoregression autoregression_of(const std::vector<Eigen::MatrixXd>& series) {
+  constexpr double kRidge = 1e-9;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kMemory, kMemory);
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(kMemory);
+  for (const auto& x : series) {
+    const Index n = x.rows() - kMemory;
+    Eigen::MatrixXd earlier(n, kMemory);
+    for (Index j = 0; j < kMemory; ++j) earlier.col(j) = x.col(0).segment(kMemory - 1 - j, n);
+    information += gram(earlier);
+    along += transpose_times(earlier, x.col(0).tail(n));
+  }
+  information.diagonal().array() += kRidge * information.trace();
+  Autoregression noise{solve_ldlt(information, along), 0.0};
+  noise.variance = stacked(series, noise.memory).col(0).array().square().mean();
+  return noise;
+}
 
 }  // namespace
 
-Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
+Sign depends_on_signals(const std::vector<Leftover>& records) {
   Sign sign{SignKind::depends_on_signals, 0.0};
-  // A line over a part says nothing of the other, and would hide what does.
-  const auto learned = less_straight_line(learn.residual);
-  const auto applied = less_straight_line(apply.residual);
-  const Prediction prediction(learn, apply);
-  Chance chance;
-  for (std::uint64_t k = 0; k < kSurrogates; ++k)
-    chance.add(prediction.share(phase_surrogate(learned, 1000 + k), phase_surrogate(applied, 2000 + k)));
-  sign.strength = prediction.share(learned, applied) / std::max(kLeastShare, chance.limit());
+  const auto scales = signal_scales(records);
+  std::vector<Eigen::MatrixXd> residuals;
+  std::vector<Eigen::MatrixXd> features;
+  double energy = 0.0;
+  Index samples = 0;
+  for (const auto& r : records) {
+    // A line is a sign of its own.
+    residuals.emplace_back(as_eigen(less_straight_line(r.residual)));
+    features.push_back(signal_features(r, scales));
+    energy += residuals.back().squaredNorm();
+    samples += features.back().rows();
+  }
+  const double n = static_cast<double>(samples);
+
+  // Beforehand no weight makes much more than twice the residual.
+  const Index count = features.front().cols();
+  Eigen::RowVectorXd sizes = Eigen::RowVectorXd::Zero(count);
+  for (const auto& x : features) sizes += x.colwise().squaredNorm();
+  for (auto& x : features)
+    x *= (2.0 * std::sqrt(energy) * sizes.cwiseMax(1e-300).cwiseSqrt().cwiseInverse()).asDiagonal();
+
+  const Autoregression alone = autoregression_of(residuals);
+  Autoregression noise = alone;
+  double freedom = 0.0;
+  double left = 0.0;
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::MatrixXd white = stacked(features, noise.memory);
+    Eigen::MatrixXd information = gram(white) / noise.variance;
+    information.diagonal().array() += 1.0;
+    const Eigen::VectorXd weights = solve_ldlt(
+        information, transpose_times(white, stacked(residuals, noise.memory).col(0)) / noise.variance);
+    freedom = static_cast<double>(count) -
+              solve_ldlt_columns(information, Eigen::MatrixXd::Identity(count, count)).trace();
+    auto rest = residuals;
+    left = 0.0;
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      rest[k].col(0) -= times(features[k], weights);
+      left += rest[k].squaredNorm();
+    }
+    noise = autoregression_of(rest);
+  }
+  const double foretold = std::clamp(noise.variance / alone.variance, 1e-12, 1.0);
+  const double deviations = (-n * std::log(foretold) - freedom) / std::sqrt(2.0 * freedom);
+  const double share = 1.0 - std::min(left / energy, foretold);
+  sign.strength = std::min(deviations / kDeviations, share / kLeastShare);
   return sign;
 }
 

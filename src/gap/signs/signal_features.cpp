@@ -125,23 +125,23 @@ struct Range {
 
 }  // namespace
 
-SignalScales signal_scales(const Leftover& a, const Leftover& b) {
+SignalScales signal_scales(const std::vector<Leftover>& records) {
   Range y;
   Range u;
   double speed = 0.0;
   double eighth = std::numeric_limits<double>::infinity();
-  for (const auto* r : {&a, &b}) {
-    y.widen(r->output);
-    u.widen(r->input);
-    const auto out = as_eigen(r->output);
+  for (const auto& r : records) {
+    y.widen(r.output);
+    u.widen(r.input);
+    const auto out = as_eigen(r.output);
     const Eigen::Index later = std::max<Eigen::Index>(out.size() - 1, 0);
     // Of a sine the rms over that of its changes from sample to sample is its period over 2π.
     const Eigen::VectorXd changes = out.tail(later) - out.head(later);
     eighth = std::min(eighth, 0.25 * std::numbers::pi * (out.array() - out.mean()).matrix().norm() /
                                   std::max(changes.norm(), 1e-300));
-    speed = std::max(speed, changes.lpNorm<Eigen::Infinity>() / r->step_s);
+    speed = std::max(speed, changes.lpNorm<Eigen::Infinity>() / r.step_s);
   }
-  const auto apart = std::clamp(eighth, 1.0, static_cast<double>(a.output.size()));
+  const auto apart = std::clamp(eighth, 1.0, static_cast<double>(records.front().output.size()));
   return {y.middle(), y.half(), std::max(speed, 1e-300),
           u.middle(), u.half(), static_cast<std::size_t>(apart)};
 }

@@ -6,16 +6,16 @@
 
 namespace bodesmith::gap {
 
-/// Middles and sizes of the signals of two records, so that both are seen on the same scale.
+/// Middles and sizes of the signals of all records, so that all are seen on the same scale.
 struct SignalScales {
   double middle_y = 0.0;
   double size_y = 0.0;
   double size_v = 0.0;  ///< of the output's slope
   double middle_u = 0.0;
   double size_u = 0.0;
-  std::size_t eighth_of_period = 1;  ///< samples, of the output's mean frequency in the quicker record
+  std::size_t eighth_of_period = 1;  ///< samples, of the output's mean frequency in the quickest record
 };
-SignalScales signal_scales(const Leftover& a, const Leftover& b);
+SignalScales signal_scales(const std::vector<Leftover>& records);
 
 /// Features of signals from which a missing effect could be predicted: samples by features, each column of
 /// zero mean. Powers of value and slope, the input's branch, ends of the range, earlier inputs and outputs, plays, slow

@@ -38,10 +38,11 @@ struct Sign {
   bool found() const { return strength > 1.0; }
 };
 
-/// The residual can be predicted from input and output (cells of value, slope, branch, memory, earlier
-/// inputs) by weights learned on one record and applied to the other: noise cannot, because its surrogates
-/// (same spectrum, random phases) cannot.
-Sign depends_on_signals(const Leftover& learn, const Leftover& apply);
+/// The residual depends on input and output: weights of their features (gap/signs/signal_features.hpp) make what is left likelier as
+/// autoregressive noise than noise alone, in all records at once, and by far more than chance would: n ln of the ratio of the innovations'
+/// variances is chi squared with as many degrees of freedom as there are weights (Wilks, Ann. Math. Stat. 9 (1938) 60), fewer where the
+/// weights' prior holds them.
+Sign depends_on_signals(const std::vector<Leftover>& records);
 
 /// A line stands in the spectrum, narrower and higher than noise makes them.
 Sign spectral_line(const Leftover& record);
@@ -70,9 +71,7 @@ Sign above_white_floor(const Leftover& record);
 /// white noise (signal/red_noise.hpp) says so.
 Sign straight_line(const Leftover& record);
 
-/// All signs that hold, strongest first: of each record alone, and of every two of `parts` (the records, or
-/// the halves of the only one) what one foretells of the other.
-std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
-                                     const std::vector<Leftover>& parts);
+/// All signs that hold, strongest first: of each record alone, and of what all depend on.
+std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records);
 
 }  // namespace bodesmith::gap

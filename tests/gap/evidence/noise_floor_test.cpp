@@ -73,25 +73,6 @@ TEST(NoiseFloor, FromHighFrequenciesWhenTheInputLeavesThemFree) {
             NoiseFloor::Source::unknown);
 }
 
-// Noise that forgets itself has a level near half the sampling rate, a sixth of its rms: no floor of white noise. It has room for its own rms,
-// and for that of the longest memory: a tenth of the record.
-TEST(NoiseFloor, AboveTheBandIsWhiteOrOfNoiseThatForgetsItself) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
-    auto red = noise(6000, 0.3, seed);
-    for (std::size_t i = 1; i < red.size(); ++i) red[i] += 0.94 * red[i - 1];
-    const auto u = sine(6000, 40, 1.0);
-    const auto of_red = floor_from_high_frequencies(red, u, 1e-3);
-    EXPECT_NEAR(of_red.most_noise, 1.5 * std::sqrt(0.2 * 6000) * of_red.rms, 1e-9) << seed;
-    EXPECT_GT(of_red.most_noise, 4.0 * rms(red)) << seed;
-    // With white noise of its size on it, it is that one's.
-    const auto white = noise(6000, 1.0, seed + 100);
-    for (std::size_t i = 0; i < red.size(); ++i) red[i] += white[i];
-    const auto floor = floor_from_high_frequencies(red, u, 1e-3);
-    EXPECT_NEAR(floor.rms, 1.0, 0.08) << seed;
-    EXPECT_NEAR(floor.most_noise, 4.0 * floor.rms, 1e-9) << seed;
-  }
-}
-
 TEST(Period, IsFoundOnlyWhereThereIsOne) {
   auto u = sine(6000, 8, 1.0);
   const auto more = sine(6000, 4, 0.5);

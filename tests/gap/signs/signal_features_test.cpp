@@ -26,7 +26,7 @@ gap::Leftover record(double scale, double middle, double step_s, unsigned seed =
 }
 
 Eigen::MatrixXd features(const gap::Leftover& r) {
-  return gap::signal_features(r, gap::signal_scales(r, r));
+  return gap::signal_features(r, gap::signal_scales({r, r}));
 }
 
 TEST(SignalFeatures, DoNotDependOnUnitsAndHaveNoMean) {
@@ -53,7 +53,7 @@ TEST(SignalFeatures, OfTurnedSignalsAreTheSameButForSigns) {
   for (double& v : turned.input) v = -v;
   for (double& v : turned.output) v = -v;
   const auto first = record(1.0, 0.0, 1e-3);
-  const auto scales = gap::signal_scales(first, turned);
+  const auto scales = gap::signal_scales({first, turned});
   const Eigen::MatrixXd one = gap::signal_features(first, scales);
   const Eigen::MatrixXd other = gap::signal_features(turned, scales);
   for (Eigen::Index k = 0; k < one.cols(); ++k) {
@@ -65,8 +65,8 @@ TEST(SignalFeatures, OfTurnedSignalsAreTheSameButForSigns) {
   }
 }
 
-TEST(SignalFeatures, ScalesAreOfBothRecords) {
-  const auto scales = gap::signal_scales(record(1.0, 0.0, 1e-3), record(2.0, 0.5, 1e-3, 2));
+TEST(SignalFeatures, ScalesAreOfAllRecords) {
+  const auto scales = gap::signal_scales({record(1.0, 0.0, 1e-3), record(2.0, 0.5, 1e-3, 2)});
   const auto wide = record(2.0, 0.5, 1e-3, 2);
   const auto [low, high] = std::minmax_element(wide.input.begin(), wide.input.end());
   EXPECT_LE(scales.middle_u - scales.size_u, *low + 1e-12);

@@ -120,7 +120,7 @@ def read_again(row, tempered, of_a_whole, contradicted, a_sign):
     whole = row["verdict"] in ("explained", "nothing_missing")
     k = of_a_whole if whole else a_sign if row["signs"] else contradicted
     left = row["gap"]["final"]["holdout_rms"] / row["gap"]["refitted"]["holdout_rms"] if row["steps"] else float(not whole)
-    outside = max(0.02, 1.0 - 1.0 / (1.0 + k * left))
+    outside = max(0.01, 1.0 - 1.0 / (1.0 + k * left))
     steps = []
     for s in row["steps"]:
         names = posterior([(r[0], r[1] / tempered) for r in s["rivals"] if r[1] is not None])
@@ -166,7 +166,7 @@ def show(args):
         show_one("read with these constants, on those below", [read_again(r, *args.read) for r in fitted])
         others_read = [read_again(r, *args.read) for r in others]
         show_one("read with these constants, on the others", others_read)
-    grid = itertools.product((1.0, 1.5, 2.0, 3.0, 4.0), (0.25, 0.35, 0.5), (3.0, 4.0, 5.0), (10.0, 15.0, 20.0))
+    grid = itertools.product((1.0, 1.5, 2.0, 3.0, 4.0), (0.05, 0.1, 0.2, 0.35), (1.0, 2.0, 4.0), (8.0, 12.0, 16.0))
     best = max(grid, key=lambda g: log_score([read_again(r, *g) for r in fitted]))
     print("best on those below:", dict(zip(("tempered", "of_a_whole", "contradicted", "a_sign"), best)))
     show_one("fitted, on those it was fitted on", [read_again(r, *best) for r in fitted])

@@ -166,8 +166,10 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.constant_offsets = constant_offsets(meter, d.search.final, study);
   d.verdict = verdict_of(d.search, d.search.train_rms);
   d.holdout_disagrees = disagrees(d);
-  // What is claimed of the training records and does not hold elsewhere is not so.
-  if (d.holdout_disagrees) {
+  const bool more_than_noise =
+      d.floor.source == NoiseFloor::Source::high_frequency && d.final.train_rms > d.floor.most_noise;
+  // What is claimed of the training records and does not hold elsewhere, or leaves more than noise, is not so.
+  if (d.holdout_disagrees || more_than_noise) {
     if (d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
     if (d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
   }

@@ -84,6 +84,9 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
       median({e.power.begin() + static_cast<std::ptrdiff_t>(begin), e.power.end()}) / std::log(2.0);
   floor.source = NoiseFloor::Source::high_frequency;
   floor.rms = std::sqrt(density * static_cast<double>(e.power.size()));
+  // Noise x(t) = rho x(t-1) + w stands by root of (1 + rho)/(1 - rho) over its own level there.
+  floor.most_noise =
+      kOverFloor * floor.rms * std::sqrt(2.0 * kLongestNoise * static_cast<double>(residual.size()));
   return floor;
 }
 

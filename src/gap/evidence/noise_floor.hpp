@@ -13,6 +13,8 @@ struct NoiseFloor {
   enum class Source { periods, high_frequency, unknown };
   double rms = 0.0;
   Source source = Source::unknown;
+  /// high_frequency: the rms that noise of the longest memory (kLongestNoise) has with this level there, and kOverFloor.
+  double most_noise = 0.0;
   std::size_t period = 0;  ///< samples; 0: of a response
   int periods = 0;
   /// rms of the part that repeats (periods only): the gap proper; of its harmonics, odd and even ones.

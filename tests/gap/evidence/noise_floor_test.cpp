@@ -73,6 +73,17 @@ TEST(NoiseFloor, FromHighFrequenciesWhenTheInputLeavesThemFree) {
             NoiseFloor::Source::unknown);
 }
 
+// A tenth of 6000 samples is its memory: what stands over its level near half the sampling rate is its own rms.
+TEST(NoiseFloor, HasRoomForNoiseOfTheLongestMemory) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    auto red = noise(6000, 0.3, seed);
+    for (std::size_t i = 1; i < red.size(); ++i) red[i] += (1.0 - 1.0 / 600.0) * red[i - 1];
+    const auto floor = floor_from_high_frequencies(red, sine(6000, 40, 1.0), 1e-3);
+    EXPECT_GT(floor.most_noise, rms(red)) << seed;
+    EXPECT_LT(floor.most_noise, 4.0 * rms(red)) << seed;
+  }
+}
+
 TEST(Period, IsFoundOnlyWhereThereIsOne) {
   auto u = sine(6000, 8, 1.0);
   const auto more = sine(6000, 4, 0.5);

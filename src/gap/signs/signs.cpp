@@ -17,6 +17,7 @@ namespace {
 constexpr std::size_t kMinSamples = 200;
 
 bool tells(const Leftover& r) {
+  if (!r.response.empty()) return true;
   if (r.residual.size() < kMinSamples) return false;
   const auto [low, high] = std::minmax_element(r.output.begin(), r.output.end());
   return rms(r.residual) > kLeastRest * (*high - *low);
@@ -39,16 +40,16 @@ std::string to_string(SignKind kind) {
   return kWords.at(static_cast<std::size_t>(kind));
 }
 
-std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records) {
+std::vector<Sign> signs_of_structure(std::vector<Leftover> records) {
+  std::erase_if(records, [](const Leftover& r) { return !tells(r); });
   std::vector<std::function<Sign()>> looks;
   const auto consider = [&](std::function<Sign()> look) { looks.push_back(std::move(look)); };
-  std::vector<Leftover> telling;
-  std::copy_if(records.begin(), records.end(), std::back_inserter(telling), tells);
-  if (!telling.empty()) consider([&] { return depends_on_signals(telling); });
+  if (!records.empty() && records.front().response.empty())
+    consider([&] { return depends_on_signals(records); });
   for (const auto& r : records) {
     if (!r.response.empty()) {
       for (const auto look : {smooth_over_frequency, stands_apart}) consider([&r, look] { return look(r); });
-    } else if (tells(r)) {
+    } else {
       for (const auto look :
            {jumps, few_samples, gain_varies, spectral_line, above_white_floor, straight_line})
         consider([&r, look] { return look(r); });

@@ -71,7 +71,7 @@ Sign above_white_floor(const Leftover& record);
 /// white noise (signal/red_noise.hpp) says so.
 Sign straight_line(const Leftover& record);
 
-/// All signs that hold, strongest first: of each record alone, and of what all depend on.
-std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records);
+/// All signs that hold, strongest first: of each record alone, and of what all depend on. The records are all in time or all responses.
+std::vector<Sign> signs_of_structure(std::vector<Leftover> records);
 
 }  // namespace bodesmith::gap

@@ -105,6 +105,15 @@ TEST(LimitLaw, IsALimit) {
   }
 }
 
+// The law needs an order above |beta| - 1: a whole power's term of that order has the limit 0, one of less has none.
+TEST(LimitLaw, IsThereForEveryOrderThatHoldsTheWholePower) {
+  for (const auto& [order, beta] : {std::pair(1, 0.5), {1, 0.9}, {2, 1.5}, {2, 1.9}, {3, 0.5}}) {
+    const auto made = try_approximate_term({1.0, 1e-2, beta}, {}, order);
+    ASSERT_TRUE(std::holds_alternative<TermApproximation>(made)) << order << " " << beta;
+    EXPECT_EQ(std::get<TermApproximation>(made).limit_law_db, minimax_limit_db(100.0, beta, order));
+  }
+}
+
 TEST(LimitLaw, SmallestOrderIsItsInverse) {
   for (const double kappa : {2.0, 10.0, 1e4}) {
     for (const double beta : {0.2, 0.5, 1.3}) {

@@ -28,6 +28,7 @@ TEST(Progress, AListenerHearsTheOutermostOnly) {
 }
 
 TEST(Progress, AProgramMayAskToStopAndGoOn) {
+  EXPECT_FALSE(interrupted()) << "nobody asked";
   ask_to_stop();
   EXPECT_TRUE(interrupted());
   EXPECT_THROW(stop_if_interrupted(), Interrupted);

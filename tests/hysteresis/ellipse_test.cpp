@@ -92,6 +92,25 @@ TEST(Ellipse, CoefficientsAreEquation5) {
   EXPECT_GT(std::abs(p.p2 / p.p1), 1.0);
 }
 
+/// Without a phase an ellipse is a line, whose inverse is exact from the first value on, whatever moves.
+TEST(Ellipse, AnEllipseWithoutPhaseIsALine) {
+  Ellipse line;
+  line.u_0 = 75.0;
+  line.u_a = {10.0};
+  line.frequency_hz = {1.0};
+  line.gain = {0.4};
+  line.phase_rad = {0.0};
+  line.y_0 = {30.0};
+  EllipseOperator forward(line);
+  EllipseInverse inverse(line);
+  for (int i = 0; i < 50; ++i) {
+    const double y = 30.0 + 5.0 * std::sin(0.1 * i * i + 1.0), u = 75.0 + (y - 30.0) / 0.4;
+    EXPECT_NEAR(i == 0 ? inverse.reset(y) : inverse.step(y, 1e-3), u, 1e-12);
+    EXPECT_NEAR(i == 0 ? forward.reset(u) : forward.step(u, 1e-3), y, 1e-12);
+    EXPECT_NEAR(inverse.achieved(), y, 1e-12);
+  }
+}
+
 TEST(Ellipse, InverseTracksASine) {
   std::vector<TimeRecord> records;
   for (const double a : {10.0, 20.0, 30.0}) records.push_back(ellipse_record(a, 50.0, 1e-5, 4.2));

@@ -118,6 +118,35 @@ TEST(PrandtlIshlinskii, IdentificationFindsItsOwnWeights) {
     EXPECT_NEAR(found.model.parameters.list("w")[i], model.w[i], 1e-6) << i;
 }
 
+// A play that would weigh less than nothing is left out: its weight is 0 and known; what is free has a deviation, the offset too.
+TEST(PrandtlIshlinskii, WhatIsAtItsBoundHasNoDeviation) {
+  Random random(5);
+  for (const double sign : {1.0, -1.0}) {
+    PrandtlIshlinskii model;
+    model.r = {0.0, 0.5, 1.0, 1.5};
+    model.w = {1.0, 0.3, -0.4, 0.5};
+    PrandtlIshlinskiiOperator op(model);
+    const std::vector<double> u = testing::modulated_triangle(600, 0.0, 4.0, 100);
+    std::vector<double> y;
+    for (std::size_t i = 0; i < u.size(); ++i)
+      y.push_back(sign * 20.0 + (i == 0 ? op.reset(u[i]) : op.step(u[i], 1e-3)) + 0.01 * random.uniform());
+    const TimeRecord record = testing::record(u, y);
+    IdentifyOptions options;
+    options.size = 8;
+    const Identified found = model_type_registry().get("prandtl_ishlinskii").identify({&record, 1}, options);
+    int bound = 0;
+    for (const ParameterUncertainty& one : found.uncertainty) {
+      if (one.name != "offset" && one.value == 0.0) {
+        EXPECT_EQ(one.standard_deviation, 0.0) << one.name;
+        ++bound;
+      } else if (one.name != "w[0]") {
+        EXPECT_GT(one.standard_deviation, 0.0) << one.name;
+      }
+    }
+    EXPECT_GT(bound, 0);
+  }
+}
+
 TEST(PrandtlIshlinskii, AsymmetricIdentificationBeatsSymmetricOnAsymmetricData) {
   PrandtlIshlinskiiOperator op([] {
     PrandtlIshlinskii model;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
@@ -139,6 +140,17 @@ TEST(IdentifiedModel, LeavesTheSizeFreeWithADelay) {
   }
   EXPECT_TRUE(gain);
   EXPECT_TRUE(delay);
+}
+
+TEST(StageFit, AReportHasTheFitOrWhyThereIsNone) {
+  StageFit fit;
+  fit.model = "preisach";
+  const Json made = to_json(fit);
+  for (const char* key : {"training", "parameters", "notes", "compute_s"})
+    EXPECT_TRUE(made.contains(key)) << key;
+  EXPECT_FALSE(made.contains("refused"));
+  fit.refused = "too short";
+  EXPECT_EQ(to_json(fit), Json({{"model", "preisach"}, {"refused", "too short"}}));
 }
 
 TEST(ErrorFigures, AreThoseOfEquation8) {

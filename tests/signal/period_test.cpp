@@ -39,6 +39,21 @@ TEST(FindPeriod, IsThatOfAMeasuredSignalAndNothingOfNoise) {
   EXPECT_EQ(find_period(repeating(150, 97.0, 0.0, 1)), 0u) << "less than two of them";
 }
 
+/// Two periods of noise, the second off by a share of the rms at every sample.
+TEST(FindPeriod, TakesTwoPeriodsForEqualBelowThreePercentOfTheRms) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (const double share : {0.029, 0.031}) {
+    std::vector<double> v(200);
+    for (std::size_t i = 0; i < 100; ++i) v[i] = normal(random);
+    double square = 0.0;
+    for (std::size_t i = 0; i < 100; ++i) square += v[i] * v[i] / 100.0;
+    for (std::size_t i = 0; i < 100; ++i)
+      v[100 + i] = v[i] + share * std::sqrt(square) * (i % 2 == 0 ? 1.0 : -1.0);
+    EXPECT_EQ(find_period(v), share < 0.03 ? 100u : 0u) << share;
+  }
+}
+
 TEST(FindRepetition, IsExactOrNone) {
   const std::vector<double> u = repeating(500, 50.0, 0.0, 1);
   ASSERT_TRUE(find_repetition(u));

@@ -93,5 +93,29 @@ TEST(Judge, ADeviationIsThatOfThePoint) {
   }
 }
 
+/// On the flank of a resonance a shift says less than the deviation itself; asked of a worst one found elsewhere, which may be larger
+/// in one measure and less in another, the judge leaves each measure's maximum as it is.
+TEST(Judge, TheMaximaDoNotDependOnWhatWasWorstBefore) {
+  Design design = low_pass();
+  design.wanted = [](Hertz f) {
+    return 1.0 / (1.0 + Complex(0.0, 100.0) * (f.value / 100.0 - 100.0 / f.value));
+  };
+  const Judge judge(design, {Hertz{95.0}, Hertz{99.0}, Hertz{101.0}});
+  const Judge::Worst far = judge(1, 3.0, 0.0);
+  EXPECT_LT(far.percent, 0.6 * 100.0 * (std::pow(10.0, 3.0 / 20.0) - 1.0));
+  for (const double db : {0.0, 20.0})
+    for (const double deg : {0.0, 90.0})
+      for (const double percent : {0.0, 200.0}) {
+        const Judge::Worst least{db, deg, percent};
+        for (const auto& [off, turned] : {std::pair(3.0, 0.0), {-3.0, 8.0}, {0.1, 30.0}}) {
+          const Judge::Worst alone = judge(1, off, turned), after = judge(1, off, turned, least);
+          EXPECT_EQ(std::max(db, after.db), std::max(db, alone.db)) << db << " " << deg << " " << percent;
+          EXPECT_EQ(std::max(deg, after.deg), std::max(deg, alone.deg)) << db << " " << deg << " " << percent;
+          EXPECT_EQ(std::max(percent, after.percent), std::max(percent, alone.percent))
+              << db << " " << deg << " " << percent;
+        }
+      }
+}
+
 }  // namespace
 }  // namespace bodesmith::tolerance

@@ -153,6 +153,23 @@ TEST(CascadeFit, FewestBandsForADenseCurve) {
   EXPECT_LT(fit_cascade(kPaper, {.fewest_bands_db = 0.4}).terms.size(), 4u);
 }
 
+// Six bands of slopes up and down, too many to try every choice of ends: they are found one by one.
+TEST(CascadeFit, BandsAddedOneByOneMeetTheLimit) {
+  const Cascade six = [] {
+    Cascade out;
+    for (int i = 0; i < 6; ++i)
+      out.terms.push_back({1.0 / Hertz{std::pow(4.0, i)}.rad_s().value, 0.25, i % 2 == 0 ? 1.2 : -1.2});
+    return out;
+  }();
+  BodePoints curve;
+  for (const Hertz f : log_grid({Hertz{1.0}, Hertz{4096.0}}, 43))
+    curve.points.push_back({f, std::abs(six.response(f.rad_s())), std::nullopt, 1.0, 0});
+  const CascadeFit fit = fit_cascade(curve, {.base = Hertz{1.0}, .fewest_bands_db = 0.1});
+  EXPECT_TRUE(fit.limit_met);
+  EXPECT_LE(fit.cascade.fit->max_db, 0.1);
+  EXPECT_GE(fit.terms.size(), 5u);
+}
+
 TEST(CascadeFit, RefusesWhatCannotBeFitted) {
   EXPECT_THROW(fit_cascade(points_of({{1, 1}})), InputError);
   EXPECT_THROW(fit_cascade(kPaper, {.base = Hertz{100.0}}), InputError);

@@ -45,6 +45,12 @@ TEST(FractionalTransfer, KnownStability) {
   // Matignon's example: s^1.2 roots may cross the axis as in integer order: s^2 - 0.1 s^1 + 1.
   EXPECT_EQ(fractional_stability({{1.0, 2.0}, {-0.1, 1.0}, {1.0, 0.0}}).unstable_poles, 2);
   EXPECT_LT(fractional_stability({{1.0, 2.0}, {1.0, 0.0}}).nearest_to_axis, 1e-3);
+  // Powers that lie close, all terms equal at 1 rad/s: the two real zeros, of 1 - x - x^2 - x^3 + x^4 + x^5 + x^6, x = s^.02 =
+  // .68 and .75, lie six decades and more below.
+  FractionalPolynomial close;
+  for (int k = 0; k <= 6; ++k) close.push_back({k == 0 || k > 3 ? 1.0 : -1.0, 0.02 * k});
+  EXPECT_EQ(fractional_stability(close).unstable_poles, 2);
+  EXPECT_EQ(fractional_stability(close).matignon_count, 2);
   // Powers without a common step: argument principle alone.
   const auto irrational = fractional_stability({{1.0, std::sqrt(2.0)}, {0.4, 1.0 / M_PI}, {1.0, 0.0}});
   EXPECT_EQ(irrational.unstable_poles, 0);

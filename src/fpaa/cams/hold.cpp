@@ -9,7 +9,7 @@ class HoldCam : public Cam {
   HoldCam()
       : Cam(CamFacts{.name = "Hold",
                      .resources = Resources{.opamps = 1, .capacitors = 2},
-                     .delay_cycles = 1.0,
+                     .delay_cycles = 0.5,  // sampled in its phase, shown from the other one on
                      .takes_half_cycle_anywhere = true}) {}
 
   /// It samples in the phase that is stated; the output is new in the other one.

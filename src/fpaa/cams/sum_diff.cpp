@@ -15,7 +15,6 @@ class SumDiffCam : public Cam {
   SumDiffCam()
       : Cam(CamFacts{.name = "SumDiff",
                      .resources = Resources{.opamps = 1, .capacitors = 3},
-                     .delay_cycles = 0.5,  // of an input that does not invert
                      .half_cycle_output = true}) {}
 
   /// One capacitor an input and Cout.

@@ -142,10 +142,6 @@ ControllerCam ControllerBranches::cam(const std::string& name, const Cam& cam,
   out.cam = &cam;
   out.clock_a = options_.fast_clock;
   out.delay_cycles = cam.facts().delay_cycles;
-  // A Hold samples in its phase and shows it from the other one on: a cycle late for readers of its own
-  // phase.
-  if (&cam == &hold_cam()) out.delay_cycles = 0.5;
-  if (&cam == &sum_diff_cam()) out.delay_cycles = 0.0;  // its late inputs say so themselves
   // A CAM whose resources are not publicly known gets a CAB of its own.
   const Resources whole_cab{board_.per_cab.opamps, board_.per_cab.capacitors, 1, 0, 0};
   out.resources = cam.resources(inputs.size()).value_or(whole_cab);

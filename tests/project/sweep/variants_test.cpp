@@ -57,6 +57,10 @@ TEST(Variants, AGridIsEveryCombination) {
   EXPECT_EQ(variants[5].what(), "fit.order = 4, hardware.circuit.resistors = E96");
   EXPECT_EQ(variants[5].value_of("fit.order"), "4");
   EXPECT_EQ(variants[5].value_of("name"), "");
+  // A name is a folder's: what parts folders or lists is none of it.
+  EXPECT_EQ(
+      variants_of("[grid]\n\"target.points\" = [\"a/b c,d\"]\n\"track.frequency_hz\" = [[1, 10]]\n")[0].name,
+      "points=a_b_c_d+frequency_hz=1__10");
 }
 
 // A small file must not fill the memory: ten thousand designs, each with every key and its name.

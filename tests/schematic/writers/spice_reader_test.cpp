@@ -98,6 +98,8 @@ TEST(SpiceReader, OpAmpsOfSeveralTypes) {
   EXPECT_EQ(netlist.model_of(netlist.opamps[1]).name, "OP27");
   // A third one, and all of them printed and read back.
   SpiceLibrary three = read_spice(two.substr(0, two.size() - 6) + "E2 q 0 out 0 5\n.ends\n", "t.sub");
+  EXPECT_EQ(three.two_port(three.top).groups.size(), 2u)
+      << "op-amps, however written, stand beside one another";
   const std::string text = spice_text(three);
   const Netlist back = read(text, "t.sub");
   ASSERT_EQ(back.opamps.size(), 3u);

@@ -67,7 +67,8 @@ struct Network {
     if (version2)
       out += "[Number of Ports] " + std::to_string(ports) + "\n[Two-Port Data Order] " +
              (order_12_21 ? "12_21" : "21_12") + "\n[Number of Frequencies] 2\n[Matrix Format] " + matrix +
-             "\n[Network Data]\n";
+             "\n[Begin Information]\n1 2 3 words\n[End Information]\n[Reference] 75" +
+             std::string(ports > 1 ? "\n75" : "") + "\n[Network Data]\n";
     for (std::size_t k = 0; k < 2; ++k) {
       out += std::to_string(3 + k);
       for (std::size_t i = 0; i < ports; ++i) {

@@ -29,9 +29,7 @@ std::string to_string(SignKind kind) {
   constexpr std::array kWords = {"the residual depends on input and output",
                                  "a line stands in the residual's spectrum",
                                  "the residual jumps",
-                                 "a few samples hold most of the residual",
                                  "the gain varies with time",
-                                 "far more is left at low frequencies than the white floor of the noise",
                                  "the residual holds a constant or a straight line",
                                  "neighbouring frequencies err alike",
                                  "single frequencies err far more than those around them",
@@ -50,8 +48,7 @@ std::vector<Sign> signs_of_structure(std::vector<Leftover> records) {
     if (!r.response.empty()) {
       for (const auto look : {smooth_over_frequency, stands_apart}) consider([&r, look] { return look(r); });
     } else {
-      for (const auto look :
-           {jumps, few_samples, gain_varies, spectral_line, above_white_floor, straight_line})
+      for (const auto look : {jumps, gain_varies, spectral_line, straight_line})
         consider([&r, look] { return look(r); });
     }
   }

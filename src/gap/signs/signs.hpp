@@ -19,9 +19,7 @@ enum class SignKind {
   depends_on_signals,
   spectral_line,
   jumps,
-  few_samples,
   gain_varies,
-  above_white_floor,
   straight_line,
   smooth_over_frequency,
   stands_apart,
@@ -51,9 +49,6 @@ Sign spectral_line(const Leftover& record);
 /// samples far beyond what chance does.
 Sign jumps(const Leftover& record);
 
-/// One sample in a hundred holds most of the residual's energy: glitches, whatever the noise between them.
-Sign few_samples(const Leftover& record);
-
 /// The residual is a slowly changing multiple of the output: a gain that varies with time.
 Sign gain_varies(const Leftover& record);
 
@@ -62,10 +57,6 @@ Sign smooth_over_frequency(const Leftover& record);
 
 /// Single points of a frequency response err far more than those around them (a narrow notch).
 Sign stands_apart(const Leftover& record);
-
-/// The spectrum has a flat floor, and what stands on it at low frequencies is plainly more than that, and no noise that
-/// forgets itself.
-Sign above_white_floor(const Leftover& record);
 
 /// A constant or a straight line in it, as slow as red noise and by far too straight for it: the exact likelihood under red and
 /// white noise (signal/red_noise.hpp) says so.

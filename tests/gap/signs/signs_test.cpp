@@ -54,24 +54,6 @@ TEST(Signs, AJumpUnderTheNoiseOfSingleSamplesIsSeen) {
   }
 }
 
-// What a smooth drive leaves keeps to its band; noise that forgets itself falls off slowly.
-TEST(Signs, AHumpStandsOnAWhiteFloorAndColouredNoiseHasNone) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    auto hump = noise_of_colour(0.0, seed);
-    auto red = hump;
-    const auto slow = smoothed(noise_of_colour(0.0, seed + 100).residual, 8);
-    const auto memory = noise_of_colour(0.97, seed + 100).residual;
-    for (std::size_t i = 0; i < 2000; ++i) {
-      hump.residual[i] += 25.0 * slow[i];
-      red.residual[i] += 3.0 * memory[i];
-    }
-    EXPECT_TRUE(above_white_floor(hump).found()) << seed;
-    EXPECT_FALSE(above_white_floor(red).found()) << seed;
-    for (double colour : {0.0, 0.3, 0.6, 0.9, 0.99})
-      EXPECT_FALSE(above_white_floor(noise_of_colour(colour, seed)).found()) << seed << " " << colour;
-  }
-}
-
 // A third of it comes back 37 samples later: no feature of the present, and between the earlier samples that are looked at.
 TEST(Signs, AnEchoDependsOnEarlierOutputs) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
@@ -86,22 +68,6 @@ TEST(Signs, AnEchoDependsOnEarlierOutputs) {
       for (std::size_t i = 37; i < 2000; ++i) l->residual[i] += 15.0 * l->output[i - 37];
     }
     EXPECT_TRUE(depends_on_signals({a, b}).found()) << seed;
-  }
-}
-
-// One in two hundred, twenty deviations high. Noise of any colour and of Student's heavy tails has none.
-TEST(Signs, AFewGlitchesAreSeen) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    std::mt19937_64 random(seed);
-    std::student_t_distribution<double> heavy(4.0);
-    auto glitches = noise_of_colour(0.6, seed);
-    auto tails = glitches;
-    for (double& e : tails.residual) e = heavy(random);
-    for (std::size_t i = 100; i < 2000; i += 200) glitches.residual[i] += seed % 2 == 0 ? 20.0 : -20.0;
-    EXPECT_TRUE(few_samples(glitches).found()) << seed;
-    EXPECT_FALSE(few_samples(tails).found()) << seed;
-    for (const double colour : {0.0, 0.9, 0.999})
-      EXPECT_FALSE(few_samples(noise_of_colour(colour, seed)).found()) << seed << " " << colour;
   }
 }
 
@@ -245,7 +211,7 @@ TEST(Signs, StrengthsAreThoseThatWereKept) {
   const Leftover a = made(0.0), b = made(1.0);
   std::string all;
   for (const Sign& one : {depends_on_signals({a, b}), spectral_line(a), jumps(a), gain_varies(a),
-                          smooth_over_frequency(a), stands_apart(a), above_white_floor(a), straight_line(a)})
+                          smooth_over_frequency(a), stands_apart(a), straight_line(a)})
     all += fmt::format("{} {:.2f}\n", to_string(one.kind), one.strength);
   EXPECT_EQ(all,
             "the residual depends on input and output 0.94\n"
@@ -254,7 +220,6 @@ TEST(Signs, StrengthsAreThoseThatWereKept) {
             "the gain varies with time 0.78\n"
             "neighbouring frequencies err alike 0.22\n"
             "single frequencies err far more than those around them 5.70\n"
-            "far more is left at low frequencies than the white floor of the noise 0.86\n"
             "the residual holds a constant or a straight line 0.08\n");
 }
 

@@ -65,12 +65,6 @@ void look_at_holdout(std::vector<Ranked>& ranking, const Experiments& holdout) {
                [&](std::size_t i) { ranking[i].holdout_rms = rms_of(ranking[i].model, holdout); });
 }
 
-/// JSON and pages have no infinity.
-constexpr double kMostTimesNoise = 1e3;
-Sign sign_of_drive(const AmplitudeDependence& dependence) {
-  return {SignKind::depends_on_amplitude, std::clamp(dependence.times_noise, 1.0, kMostTimesNoise)};
-}
-
 /// Values of the final model's terms, term by term.
 std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, const Experiments& train) {
   const auto result = held_by(model, train);
@@ -142,7 +136,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.start = started.start;
   study.set_holds(d.search.holds);
   set_holds(searched, d.search.holds);
-  if (d.amplitude) d.search.structure.push_back(sign_of_drive(*d.amplitude));
+  if (d.amplitude) d.search.structure.push_back({SignKind::depends_on_amplitude, d.amplitude->strength});
   // The held-out records come in here, when all is decided. Lines of the mains are written as the first of
   // them has them.
   d.search.final = with_lines_of(std::move(d.search.final), study.holdout().front());

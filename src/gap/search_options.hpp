@@ -16,7 +16,6 @@ struct StartOptions {
   double stands_out = 1.35;  ///< rms of the residual there over that of the rest
   double max_part = 0.25;    ///< of the record; a longer start is explained by free responses instead
   std::size_t percent_with_free_start = 3;  ///< of the record that is left out even then
-  double max_cost = 1.03;  ///< of the rest's rms, at which a start that fits now is scored again
 };
 
 /// Long records are first fitted on their liveliest stretches [5].

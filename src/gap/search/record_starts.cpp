@@ -76,7 +76,6 @@ StartsTried score_starts_again(const SearchSetting& setting, SearchRecords recor
   const auto& options = setting.options.starts;
   const int before = starts_left_out(records);
   if (before == 0) return {std::move(records), std::move(model)};
-  const double rms_before = rms_of(model, records.train);
   SearchRecords all_scored = records;
   for_each_time_record(all_scored, [](TimeExperiment& e) { e.score_start(); });
   Model refitted = fit_in_turn(setting, all_scored, model).model;
@@ -91,12 +90,8 @@ StartsTried score_starts_again(const SearchSetting& setting, SearchRecords recor
     }
   });
   if (starts_left_out(tried) < before) {
-    refitted = fit_in_turn(setting, tried, std::move(refitted)).model;
-    const auto as_before = renew_free_responses(setting, records, model);
-    if (rms_of(refitted, as_before.train) < options.max_cost * rms_before) {
-      records = std::move(tried);
-      model = std::move(refitted);
-    }
+    model = fit_in_turn(setting, tried, std::move(refitted)).model;
+    records = std::move(tried);
   }
   return {renew_free_responses(setting, std::move(records), model), std::move(model)};
 }

@@ -23,8 +23,7 @@ SearchRecords renew_free_responses(const SearchSetting& setting, SearchRecords r
 SearchRecords leave_out_whole_starts(SearchRecords records);
 
 /// What stood out at a start may have been the missing effect itself. With a better model the starts are
-/// tried again: those that now fit as well as the rest are scored, unless the rest of the records must pay
-/// for it.
+/// tried again: those that now fit as well as the rest are scored.
 struct StartsTried {
   SearchRecords records;
   Model model;

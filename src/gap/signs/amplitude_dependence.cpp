@@ -209,7 +209,8 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   out.change = std::sqrt(std::max(0.0, together) / n);
   out.times_noise = out.change / std::sqrt(std::max(0.0, energy - together) / n);
   // Of independent errors the sum of the products of neighbours has the deviation energy/sqrt(2n).
-  if (!(together > kAlike * energy / std::sqrt(2.0 * n)) || out.change < kLeastChange) return std::nullopt;
+  out.strength = together / (kAlike * energy / std::sqrt(2.0 * n));
+  if (!(out.strength > 1.0) || out.change < kLeastChange) return std::nullopt;
   out.kind = class_of(small, large, at, change, out);
   return out;
 }

@@ -29,6 +29,7 @@ struct AmplitudeDependence {
   double largest_drive_v = 0.0;
   double change = 0.0;       ///< rms of ln(H at the largest drive/H at the least), noise taken off
   double times_noise = 0.0;  ///< over the noise of that logarithm; infinite where there is none
+  double strength = 0.0;     ///< Sign::strength
   /// Of the highest peak that both have, Hz.
   std::optional<double> peak_at_least_hz;
   std::optional<double> peak_at_largest_hz;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -15,13 +14,9 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Hops to both sides of where a fit ended, as long as the unknown's own and then shorter by these. An edge that crosses a sample
-/// changes it whole: the sum of squares comes to its least in a cusp, where a fit stops next to it.
-struct Hops {
-  double length;
-  int count;
-};
-constexpr std::array kHops = {Hops{1.0, 20}, Hops{0.04, 25}};
+/// Hops (Unknown::hop) to both sides of where a fit ended. An edge that crosses a sample changes it whole: the sum of squares comes to its
+/// least in a cusp, where a fit stops next to it.
+constexpr int kHops = 20;
 
 /// Starts of a proposal that are tried, those that promise most and the one that leaves least: many of them lie close to each other, and
 /// many unknowns are expensive.
@@ -30,8 +25,9 @@ std::size_t tries_of(const RoundOptions& options, const Promising& p) {
   return std::min<std::size_t>(p.best_starts.size(), many ? 1 : p.proposal.starts.size() > 4 ? 4 : 3);
 }
 
-/// The proposal's model with its term at one of its starts, and other unknowns as given.
-Model with_term_at(const Proposal& proposal, std::vector<double> values, std::size_t start) {
+/// The proposal's model with its term at one of its starts, and other unknowns as they stand.
+Model with_term_at(const Proposal& proposal, std::size_t start) {
+  auto values = current_values(proposal.model);
   const auto& own = proposal.starts[start];
   std::copy(own.begin(), own.end(), values.end() - static_cast<std::ptrdiff_t>(own.size()));
   Model model = proposal.model;
@@ -39,32 +35,14 @@ Model with_term_at(const Proposal& proposal, std::vector<double> values, std::si
   return model;
 }
 
-/// Where fits begin: the term's best starts; and, as the free parameters may have taken over what the new one explains better, once from
-/// them as given.
-std::vector<Model> starting_models(const SearchSetting& setting, const Promising& p) {
-  const auto& proposal = p.proposal;
-  const auto here = current_values(proposal.model);
-  std::vector<Model> all;
-  for (std::size_t t = 0; t < tries_of(setting.options.round, p); ++t)
-    all.push_back(with_term_at(proposal, here, p.best_starts[t]));
-  const auto& terms = proposal.model.terms();
-  const auto given = current_values(setting.initial);
-  if (!given.empty() && terms.size() == 1) {
-    auto values = here;
-    std::copy(given.begin(), given.end(), values.begin());
-    all.push_back(with_term_at(proposal, values, p.best_starts[0]));
-  }
-  return all;
-}
-
-/// A few steps from everywhere: the best.
+/// A few steps from each of the term's best starts: the best.
 std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchRecords& records,
                                      const Promising& p) {
   const auto options = fit_options(setting.options, setting.options.few_iterations);
   std::optional<FittedModel> best;
-  for (auto& start : starting_models(setting, p)) {
+  for (std::size_t t = 0; t < tries_of(setting.options.round, p); ++t) {
     if (setting.options.is_late() && best) break;
-    auto fitted = fit(std::move(start), records.look(), options);
+    auto fitted = fit(with_term_at(p.proposal, p.best_starts[t]), records.look(), options);
     if (fitted.usable() && (!best || fitted.rms < best->rms)) best = std::move(fitted);
   }
   return best;
@@ -96,15 +74,15 @@ void fit_to_the_end(const SearchSetting& setting, const SearchRecords& records, 
 
 /// The value around the one that unknown `at` has, the others as they are, at which least is left; nothing where that is it.
 std::optional<double> least_around(const FittedModel& now, const Experiments& look, std::size_t at,
-                                   const Unknown& u, Hops hops) {
+                                   const Unknown& u) {
   Runner runner(now.model, look);
   auto values = current_values(now.model);
   const double middle = values[at];
   double least = now.rms;
   std::optional<double> best;
   std::vector<double> residual;
-  for (int k = -hops.count; k <= hops.count; ++k) {
-    values[at] = std::clamp(middle + hops.length * u.hop * k, u.low, u.high);
+  for (int k = -kHops; k <= kHops; ++k) {
+    values[at] = std::clamp(middle + u.hop * k, u.low, u.high);
     if (values[at] == middle || !runner(values, residual) || !(rms(residual) < least)) continue;
     least = rms(residual);
     best = values[at];
@@ -112,22 +90,20 @@ std::optional<double> least_around(const FittedModel& now, const Experiments& lo
   return best;
 }
 
-/// Values that a fit cannot slide along, tried coarsely and finely around where it ended, then fitted on.
+/// Values that a fit cannot slide along, tried around where it ended, then fitted on.
 void comb(const SearchSetting& setting, const SearchRecords& records, Racer& racer) {
   const auto unknowns = racer.now.model.unknowns();
   const auto options = fit_options(setting.options, setting.options.refit_iterations);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (!unknowns[at].moves_edges() || setting.options.is_late()) continue;
-    for (const auto& hops : kHops) {
-      const auto better = least_around(racer.now, records.look(), at, unknowns[at], hops);
-      if (!better) continue;
-      auto moved = current_values(racer.now.model);
-      moved[at] = *better;
-      Model model = racer.now.model;
-      model.set_values(moved);
-      auto fitted = fit(std::move(model), records.look(), options);
-      if (fitted.usable() && fitted.rms < racer.now.rms) racer.now = std::move(fitted);
-    }
+    const auto better = least_around(racer.now, records.look(), at, unknowns[at]);
+    if (!better) continue;
+    auto moved = current_values(racer.now.model);
+    moved[at] = *better;
+    Model model = racer.now.model;
+    model.set_values(moved);
+    auto fitted = fit(std::move(model), records.look(), options);
+    if (fitted.usable() && fitted.rms < racer.now.rms) racer.now = std::move(fitted);
   }
 }
 

@@ -99,7 +99,8 @@ class FrequencyBench final : public Bench {
       const auto h = chain_.response(record.frequency[i].rad_s());
       if (!h) return false;
       const auto ratio = *h / record.response[i];
-      const auto e = difference(ratio) * (weights.empty() ? 1.0 : weights[i]);
+      const auto difference = experiment_.logarithmic() ? std::log(ratio) : ratio - 1.0;
+      const auto e = difference * (weights.empty() ? 1.0 : weights[i]);
       if (!std::isfinite(e.real()) || !std::isfinite(e.imag())) return false;
       append.push_back(e.real());
       append.push_back(e.imag());
@@ -110,18 +111,6 @@ class FrequencyBench final : public Bench {
   std::vector<double> output() override { return {}; }
 
  private:
-  std::complex<double> difference(std::complex<double> ratio) const {
-    switch (experiment_.compared()) {
-      case FrequencyExperiment::Compared::ratio:
-        break;
-      case FrequencyExperiment::Compared::logarithm:
-        return std::log(ratio);
-      case FrequencyExperiment::Compared::magnitude:
-        return std::log(std::abs(ratio));
-    }
-    return ratio - 1.0;
-  }
-
   chain::Chain chain_;
   FrequencyExperiment experiment_;
 };

@@ -50,12 +50,10 @@ struct BoundOptions {
 
 /// Two effects that hide each other [5]: what each effect promises alongside each of a few first names.
 struct PairOptions {
-  std::size_t firsts =
-      8;  ///< of responses the names and places alongside each of which all others are fitted
+  std::size_t firsts = 8;   ///< names, each at its best place; of responses names and places
   std::size_t seconds = 4;  ///< alongside each
   std::size_t fits = 20;    ///< of the pairs that promise most
-  std::size_t best =
-      3;  ///< of them that are gone on from; of responses sets whose names are tried one by one
+  std::size_t best = 3;     ///< of them that are gone on from
 };
 
 struct SearchOptions {

@@ -98,25 +98,22 @@ class FrequencyExperiment {
  public:
   explicit FrequencyExperiment(MeasuredResponse record);
 
-  /// What is compared of H_model/H_measured: it less 1; its logarithm; or the logarithm's real part alone (the
-  /// imaginary part of the residual is 0), which has no turns of the phase to go wrong by.
-  enum class Compared { ratio, logarithm, magnitude };
-
   const MeasuredResponse& record() const { return *record_; }
   const std::string& file() const { return record_->file; }
   /// 1: its errors are relative.
   double range() const { return 1.0; }
   std::size_t scored() const { return 2 * record_->frequency.size(); }
 
-  void set_compared(Compared compared) { compared_ = compared; }
-  Compared compared() const { return compared_; }
+  /// Of H_model/H_measured its logarithm is compared, not it less 1.
+  void set_logarithmic() { logarithmic_ = true; }
+  bool logarithmic() const { return logarithmic_; }
   /// One a point; empty: all are 1.
   const std::vector<double>& weights() const { return *weights_; }
 
  private:
   std::shared_ptr<const MeasuredResponse> record_;
   std::shared_ptr<const std::vector<double>> weights_;
-  Compared compared_ = Compared::ratio;
+  bool logarithmic_ = false;
 };
 
 /// A measured record to compare a model with. What differs between the kinds is visited.

@@ -22,7 +22,6 @@
 #include "gap/search/remaining.hpp"
 #include "gap/search/round.hpp"
 #include "gap/search/stretches.hpp"
-#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -200,7 +199,7 @@ PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, P
   return set;
 }
 
-/// A round's best set more: of one name, or of a response several at once.
+/// A round's best set more: of one name, or of a response two at once.
 std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const PlacedSet& set) {
   const auto& options = setting.options;
   auto round = fit_round(setting, beam.records, set.model);
@@ -214,15 +213,12 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
   if (are_responses(beam.records.train) && !options.is_late() &&
       is_something_left(more ? more->model : set.model, beam.records)) {
     const double to_beat = more ? best->log_evidence : set.log_evidence;
-    auto sets = sets_of_several(setting, beam.records, set.model, round.ranking);
-    for (auto& several : sets) {
-      if (!(several.back().log_evidence > to_beat)) break;
-      PlacedSet group = set;
-      for (auto& member : several) group = with_candidate(group, member, {member});
-      group.notes.push_back(names_in_words(group.model) + " were looked for together");
-      weigh(beam.records, group);
-      if (!all_matter(setting, beam.records, group.model)) continue;
-      return group;
+    for (const auto& [one, second] : pairs_of_response(setting, beam.records, round.ranking)) {
+      if (!(second.log_evidence > to_beat)) break;
+      PlacedSet two = with_candidate(with_candidate(set, one, {one}), second, {second});
+      two.notes.push_back(names_in_words(two.model) + " were looked for together");
+      weigh(beam.records, two);
+      if (all_matter(setting, beam.records, two.model)) return two;
     }
   }
   if (!more) beam.refused = std::move(round.ranking);

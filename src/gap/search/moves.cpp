@@ -5,14 +5,10 @@
 #include <iterator>
 #include <map>
 
-#include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
 #include "gap/search/base_fit.hpp"
-#include "gap/search/mode_chain.hpp"
 #include "gap/search/round.hpp"
-#include "numeric/parallel_for.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -145,45 +141,28 @@ std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, 
   return pairs;
 }
 
-std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, const SearchRecords& records,
-                                                 const Model& before, const std::vector<Ranked>& first) {
+std::vector<std::pair<Ranked, Ranked>> pairs_of_response(const SearchSetting& setting,
+                                                         const SearchRecords& records,
+                                                         const std::vector<Ranked>& first) {
   const auto& options = setting.options;
-  std::vector<std::vector<Ranked>> sets;
-  const auto add_pairs = [&](const Ranked& one) {
-    std::set<const Effect*> tried;
-    for (const auto& second : fit_round(setting, records, one.model, {}, 0.0).ranking) {
-      if (tried.insert(second.effect).second) sets.push_back({one, second});
-    }
-  };
-  std::set<std::pair<const Effect*, std::string>> tried;
   std::vector<Ranked> firsts = first;
+  std::erase_if(firsts, [](const Ranked& r) { return r.outcome == CandidateOutcome::no_name; });
   std::stable_sort(firsts.begin(), firsts.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
+  std::vector<std::pair<Ranked, Ranked>> pairs;
+  std::set<std::pair<const Effect*, std::string>> tried;
   for (const auto& one : firsts) {
     if (options.is_late() || tried.size() >= options.pairs.firsts) break;
-    if (tried.emplace(one.effect, one.placed).second) add_pairs(one);
-  }
-  for (auto& chain : mode_chains(setting, records, before)) {
-    if (chain.size() == 1) {
-      add_pairs(chain.front());
-    } else {
-      sets.push_back(std::move(chain));
+    if (!tried.emplace(one.effect, one.placed).second) continue;
+    std::set<const Effect*> effects;
+    for (auto& second : fit_round(setting, records, one.model).ranking) {
+      if (effects.insert(second.effect).second) pairs.emplace_back(one, std::move(second));
     }
   }
-  parallel_for(sets.size(), options.threads, [&](std::size_t i) {
-    auto& last = sets[i].back();
-    auto fitted = fit(last.model, records.train, fit_options(options, options.iterations));
-    if (fitted.usable()) last.model = std::move(fitted.model);
-    const bool named = std::none_of(sets[i].begin(), sets[i].end(),
-                                    [](const Ranked& r) { return r.outcome == CandidateOutcome::no_name; });
-    last.log_evidence =
-        named ? log_evidence(last.model, records.train) : -std::numeric_limits<double>::infinity();
-  });
-  std::stable_sort(sets.begin(), sets.end(), [](const auto& a, const auto& b) {
-    return a.back().log_evidence > b.back().log_evidence;
-  });
-  if (sets.size() > options.pairs.best) sets.resize(options.pairs.best);
-  return sets;
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const auto& a, const auto& b) { return more_evident(a.second, b.second); });
+  if (pairs.size() > options.pairs.best) pairs.resize(options.pairs.best);
+  return pairs;
 }
 
 }  // namespace bodesmith::gap

@@ -34,9 +34,9 @@ bool could_be_fewer(const SearchOptions& options, const Model& model);
 std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
                                                   const std::vector<Ranked>& first);
 
-/// Of responses, whose fits are quick: every effect alongside each of the first names, and chains of modes. The last member's model holds
-/// all; greatest evidence first.
-std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, const SearchRecords& records,
-                                                 const Model& before, const std::vector<Ranked>& first);
+/// Of responses, whose fits are quick: every effect alongside each of the first names, two by two; greatest evidence first.
+std::vector<std::pair<Ranked, Ranked>> pairs_of_response(const SearchSetting& setting,
+                                                         const SearchRecords& records,
+                                                         const std::vector<Ranked>& first);
 
 }  // namespace bodesmith::gap

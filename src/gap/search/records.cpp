@@ -20,9 +20,7 @@ constexpr std::size_t kMostHolds = 8;
 Experiments as_searched(Experiments experiments) {
   for (auto& e : experiments) {
     std::visit(Visitor{[](TimeExperiment& time) { time.score_start(); },
-                       [](FrequencyExperiment& response) {
-                         response.set_compared(FrequencyExperiment::Compared::logarithm);
-                       }},
+                       [](FrequencyExperiment& response) { response.set_logarithmic(); }},
                e);
   }
   return experiments;

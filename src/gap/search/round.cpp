@@ -36,14 +36,12 @@ bool repeats_earlier_term(const Proposal& proposal, bool in_response) {
 /// What every effect promises when the search stands at this model, best first. Those that had no time to propose themselves
 /// go to `missed`.
 std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecords& records,
-                                 const Model& model, const EffectFilter& filter,
-                                 std::set<std::string_view>& missed) {
+                                 const Model& model, std::set<std::string_view>& missed) {
   auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
   scene.threads = setting.options.threads;
   std::vector<const Effect*> effects;
   for (const auto* effect : effect_registry().all()) {
-    if (scene.frequency_only && !effect->facts().linear) continue;
-    if (!filter || filter(*effect)) effects.push_back(effect);
+    if (!scene.frequency_only || effect->facts().linear) effects.push_back(effect);
   }
   std::vector<std::vector<Proposal>> of_each(effects.size());
   parallel_for(effects.size(), setting.options.threads,
@@ -160,22 +158,20 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
 
 }  // namespace
 
-FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                      const EffectFilter& filter, std::optional<double> min_score) {
+FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
   const auto& options = setting.options;
   FittedRound round;
   const bool responses = are_responses(records.train);
-  Choice choice(min_score.value_or(options.bounds.min_promise()),
-                responses ? options.round.more_forms_of_response : 0);
+  Choice choice(options.bounds.min_promise(), responses ? options.round.more_forms_of_response : 0);
   std::set<std::string_view> missed;
-  auto promising = look_from(setting, records, model, filter, missed);
+  auto promising = look_from(setting, records, model, missed);
   choice.add(std::move(promising), options.round.effects, {});
   if (options.stopped()) return {};
   if (model.terms().empty() && model.free_count() > 0 && !records.are_long() && !options.is_late()) {
     // Free parameters that took over a missing effect's share hide it: a few more, as they look from the
     // parameters that were given.
     const auto done = choice.close_for_another_look();
-    choice.add(look_from(setting, records, setting.initial, filter, missed),
+    choice.add(look_from(setting, records, setting.initial, missed),
                options.round.effects + options.round.effects_from_given, done);
     if (options.stopped()) return {};
   }
@@ -191,7 +187,7 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
                                   const Model& model) {
   std::set<std::string_view> missed;
-  return look_from(setting, records, model, {}, missed);
+  return look_from(setting, records, model, missed);
 }
 
 std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -15,17 +14,13 @@ inline bool more_evident(const Ranked& a, const Ranked& b) {
   return a.log_evidence > b.log_evidence;
 }
 
-/// Effects that a round is confined to; empty: all of them.
-using EffectFilter = std::function<bool(const Effect&)>;
-
 /// One round: what every effect promises where the search stands, the best of it fitted in place, in no
-/// particular order and not yet judged. Empty when the search was stopped. `min_score`: instead of BoundOptions::min_promise().
+/// particular order and not yet judged. Empty when the search was stopped.
 struct FittedRound {
   std::vector<Ranked> ranking;
   std::vector<std::string> not_tried;  ///< effects that promised something when the time was over
 };
-FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                      const EffectFilter& filter = {}, std::optional<double> min_score = std::nullopt);
+FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model);
 
 /// The first look of a round alone: what every effect promises, best first.
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,

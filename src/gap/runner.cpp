@@ -41,7 +41,7 @@ class TimeBench final : public Bench {
       mine[i] = y[k] - record.y[k];
       sum_of_squares += mine[i] * mine[i];
     }
-    take_out_free_values(mine);
+    take_out_lines(mine);
     return !simulator_.diverged() && std::isfinite(sum_of_squares) && std::sqrt(sum_of_squares) < run_away_;
   }
 
@@ -62,17 +62,15 @@ class TimeBench final : public Bench {
     if (experiment.coarse()) o.max_turn_rad = 1.6;
     return o;
   }
-  /// What the state at the start and the lines of the mains explain, which each record has of its own.
-  void take_out_free_values(std::span<double> residual) {
-    const auto* free = experiment_.free_responses();
-    if (free != nullptr) free->take_out(residual);
+  /// What the lines of the mains explain, which each record has of its own.
+  void take_out_lines(std::span<double> residual) {
     if (lines_.empty()) return;
     std::vector<double> frequencies;
     for (std::size_t at : lines_) frequencies.push_back(simulator_.chain().blocks[at].get("frequency_hz"));
     if (frequencies != frequencies_hz_) {
       frequencies_hz_ = frequencies;
-      lines_of_record_ = directions_of_lines(frequencies, experiment_.record(), experiment_.first(),
-                                             experiment_.end(), free != nullptr ? *free : Directions{});
+      lines_of_record_ =
+          directions_of_lines(frequencies, experiment_.record(), experiment_.first(), experiment_.end());
     }
     lines_of_record_.take_out(residual);
   }

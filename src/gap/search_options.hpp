@@ -11,13 +11,6 @@ namespace bodesmith::gap {
 // The limits of each step of a search. The numbers in brackets are the steps of docs/gap.md that explain
 // them.
 
-/// Starts of records that began in another state than rest [2].
-struct StartOptions {
-  double stands_out = 1.35;  ///< rms of the residual there over that of the rest
-  double max_part = 0.25;    ///< of the record; a longer start is explained by free responses instead
-  std::size_t percent_with_free_start = 3;  ///< of the record that is left out even then
-};
-
 /// Long records are first fitted on their liveliest stretches [5].
 struct StretchOptions {
   std::size_t samples = 8000;  ///< of all stretches together; one and a half times as many: long records
@@ -67,7 +60,8 @@ struct SearchOptions {
   std::function<bool()> stop;            ///< true: keep the best so far and return
   std::function<bool()> late;            ///< true: judge what has been fitted, and begin nothing new
 
-  StartOptions starts;
+  /// A record began in another state than rest where the rms of its start's residual is so many times that of the rest [2].
+  double start_stands_out = 1.35;
   StretchOptions stretches;
   RoundOptions round;
   BoundOptions bounds;

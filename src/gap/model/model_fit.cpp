@@ -100,20 +100,20 @@ std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments
                                   as_eigen(current_values(model)), runner.threads());
 }
 
-Directions free_responses(const Model& model, const TimeExperiment& experiment, std::size_t first) {
+Directions free_responses(const Model& model, const TimeExperiment& experiment) {
   const auto& record = experiment.record();
   const auto input = std::span<const double>(record.u).first(experiment.end());
   simulate::RecordOptions options;
   options.start_s = record.start_s;
   options.oversample = experiment.holds();
   simulate::RecordSimulator simulator(model.chain(), record.step_s, options);
-  const auto from_rest = simulator.run(input).subspan(first);
+  const auto from_rest = simulator.run(input);
   const std::vector<double> base(from_rest.begin(), from_rest.end());
   const double nudge = kNudge * std::max(rms(base), 1e-300);
   Directions directions;
   for (double& state : simulator.initial_states()) {
     state = nudge;
-    const auto y = simulator.run(input).subspan(first);
+    const auto y = simulator.run(input);
     state = 0.0;
     std::vector<double> response(base.size());
     for (std::size_t i = 0; i < response.size(); ++i) response[i] = (y[i] - base[i]) / nudge;

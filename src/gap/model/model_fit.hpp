@@ -31,8 +31,7 @@ LeastSquaresResult held_by(const Model& model, const Experiments& experiments);
 /// Columns d(residual)/d(unknown, in search coordinates) at the model's values; empty columns where it cannot be run.
 std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments& experiments);
 
-/// Orthonormal directions over the samples from `first` on of what unknown initial states of the model's
-/// dynamics add to its output.
-Directions free_responses(const Model& model, const TimeExperiment& experiment, std::size_t first);
+/// Orthonormal directions over the whole record of what unknown initial states of the model's dynamics add to its output.
+Directions free_responses(const Model& model, const TimeExperiment& experiment);
 
 }  // namespace bodesmith::gap

@@ -56,17 +56,6 @@ void TimeExperiment::use(std::size_t from, std::size_t end) {
   if (from > 0) start_ = left_out_ = 0;
 }
 
-void TimeExperiment::score_start() {
-  left_out_ = 0;
-  free_responses_ = nullptr;
-}
-
-void TimeExperiment::leave_out_start(std::size_t samples, Directions directions) {
-  left_out_ = samples;
-  free_responses_ =
-      directions.all().empty() ? nullptr : std::make_shared<const Directions>(std::move(directions));
-}
-
 TimeExperiment TimeExperiment::with_output(std::vector<double> y) const {
   TimeExperiment other(*this);
   TimeRecord record = *record_;

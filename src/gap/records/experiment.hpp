@@ -60,12 +60,9 @@ class TimeExperiment {
   /// Samples of the start; 0: there is none, or it is not part of this use.
   std::size_t start() const { return start_; }
   bool start_is_left_out() const { return left_out_ > 0; }
-  void score_start();
-  /// The first `samples` are not scored. The record began in an unknown state: what `directions` over the
-  /// samples that are scored can explain (free responses) is taken out of every residual.
-  void leave_out_start(std::size_t samples, Directions directions = {});
-  /// Those directions, over the scored samples; null when there are none.
-  const Directions* free_responses() const { return free_responses_.get(); }
+  void score_start() { left_out_ = 0; }
+  /// The record began in an unknown state: its start is not scored.
+  void leave_out_start() { left_out_ = start_; }
 
   /// The same use of the same input with another measured output.
   TimeExperiment with_output(std::vector<double> y) const;
@@ -79,7 +76,6 @@ class TimeExperiment {
 
  private:
   std::shared_ptr<const TimeRecord> record_;
-  std::shared_ptr<const Directions> free_responses_;
   std::size_t used_from_ = 0;
   std::size_t start_ = 0;
   std::size_t left_out_ = 0;

@@ -33,7 +33,8 @@ std::pair<std::vector<double>, std::vector<double>> sine_and_cosine(double hz, c
 }  // namespace
 
 Directions directions_of_lines(std::span<const double> frequencies_hz, const TimeRecord& record,
-                               std::size_t from, std::size_t end, Directions directions) {
+                               std::size_t from, std::size_t end) {
+  Directions directions;
   for (double hz : frequencies_hz) {
     auto [sine, cosine] = sine_and_cosine(hz, record, from, end);
     directions.add(std::move(sine));

@@ -10,10 +10,10 @@
 namespace bodesmith::gap {
 
 /// Sines of these frequencies over samples `from` … `end` - 1 of a record, t as in its time_s (above half the sampling rate what sampling makes
-/// of them), behind the directions that are given. Sizes and phases of mains hum differ from record to record, and are therefore no
+/// of them). Sizes and phases of mains hum differ from record to record, and are therefore no
 /// unknowns of a fit but taken out of every residual (the frequencies stay unknowns; variable projection, Golub and Pereyra 1973).
 Directions directions_of_lines(std::span<const double> frequencies_hz, const TimeRecord& record,
-                               std::size_t from, std::size_t end, Directions directions);
+                               std::size_t from, std::size_t end);
 
 /// A line's size and phase: amplitude sin(2 pi frequency_hz t + phase_deg).
 struct FittedLine {

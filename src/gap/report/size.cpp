@@ -90,7 +90,7 @@ std::vector<std::size_t> GapMeter::scoring_starts(const Model& final, const Expe
     const auto* time = std::get_if<TimeExperiment>(&experiments[i]);
     const std::size_t first = time != nullptr ? time->first() : 0;
     if (first > 0 &&
-        (split || rms(all[i].first(first)) > StartOptions().stands_out * rms(all[i].subspan(first))))
+        (split || rms(all[i].first(first)) > SearchOptions().start_stands_out * rms(all[i].subspan(first))))
       starts[i] = first;
   }
   return starts;

@@ -20,12 +20,7 @@ BaseFit fit_base(const SearchSetting& setting, SearchRecords records) {
   Model model = refit_base(setting, records);
   auto wrong = leave_out_wrong_starts(setting, std::move(records), model);
   records = std::move(wrong.records);
-  if (wrong.found) {
-    // Free responses of a model that is off are of no use: first without the starts, then with them.
-    model = refit_base(setting, leave_out_whole_starts(records));
-    records = renew_free_responses(setting, std::move(records), model);
-    model = fit_in_turn(setting, records, std::move(model)).model;
-  }
+  if (wrong.found) model = refit_base(setting, records);
   follow_what_is_left(records.stretches, records.train, model, setting.options.stretches);
   return {std::move(model), std::move(records)};
 }

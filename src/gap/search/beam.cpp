@@ -319,26 +319,6 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam, GoneO
   }
 }
 
-/// Where starts are left out names may tie that differ in nothing else (a constant and a dead zone of a drive of one sign): the one with
-/// which the starts fit, too, is right.
-void explain_starts(const SearchSetting& setting, Beam& beam, GoneOnFrom& gone_on_from) {
-  for (std::size_t k = 0; count_of(beam.best) > 1 && k < count_of(beam.best); ++k) {
-    const auto ranking = beam.best.rivals[k].ranking;
-    for (const auto& r : ranking) {
-      if (setting.options.is_late() || !(r.log_evidence > beam.best.log_evidence + std::log(kTied))) break;
-      if (!is_name(r) || r.effect == beam.best.model.terms()[k].effect) continue;
-      auto tried = score_starts_again(setting, beam.records, r.model);
-      if (scored_samples(tried.records.train) == scored_samples(beam.records.train)) continue;
-      auto other = with_candidate(without(beam.best, k), r, {r});
-      other.model = std::move(tried.model);
-      weigh(tried.records, other);
-      beam.records = std::move(tried.records);
-      beam.best = improved(setting, beam.records, std::move(other), gone_on_from);
-      return;
-    }
-  }
-}
-
 }  // namespace
 
 std::multiset<std::string> names_of(const Model& model) {
@@ -364,7 +344,6 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
     base.first = beam.first;
     try_pairs(setting, base, beam, gone_on_from);
   }
-  explain_starts(setting, beam, gone_on_from);
 }
 
 }  // namespace bodesmith::gap

@@ -24,56 +24,31 @@ int starts_left_out(SearchRecords& records) {
 }
 
 /// Whether the residual of a whole record is plainly larger at its start than in the rest.
-bool stands_out_at_start(const StartOptions& options, const Model& model, const TimeExperiment& record) {
+bool stands_out_at_start(const SearchOptions& options, const Model& model, const TimeExperiment& record) {
   const std::size_t start = record.start();
   TimeExperiment whole(record);
   whole.score_start();
   const auto all = residuals_of(model, {whole});
   const std::span residual = all;
   if (residual.size() <= start) return false;
-  return rms(residual.first(start)) > options.stands_out * rms(residual.subspan(start));
-}
-
-void leave_out(const StartOptions& options, const Model& model, TimeExperiment& record) {
-  const auto size = static_cast<double>(record.end());
-  if (static_cast<double>(record.start()) < options.max_part * size) {
-    record.leave_out_start(record.start());
-    return;
-  }
-  const std::size_t first = record.end() * options.percent_with_free_start / 100;
-  record.leave_out_start(first, free_responses(model, record, first));
+  return rms(residual.first(start)) > options.start_stands_out * rms(residual.subspan(start));
 }
 
 }  // namespace
 
 WrongStarts leave_out_wrong_starts(const SearchSetting& setting, SearchRecords records, const Model& model) {
-  const auto& options = setting.options.starts;
+  const auto& options = setting.options;
   bool found = false;
   for_each_time_record(records, [&](TimeExperiment& e) {
     if (e.start_is_left_out() || e.start() == 0 || !stands_out_at_start(options, model, e)) return;
-    e.leave_out_start(e.start());
+    e.leave_out_start();
     found = true;
   });
-  if (found) records = renew_free_responses(setting, std::move(records), model);
   return {std::move(records), found};
 }
 
-SearchRecords renew_free_responses(const SearchSetting& setting, SearchRecords records, const Model& model) {
-  for_each_time_record(records, [&](TimeExperiment& e) {
-    if (e.start_is_left_out()) leave_out(setting.options.starts, model, e);
-  });
-  return records;
-}
-
-SearchRecords leave_out_whole_starts(SearchRecords records) {
-  for_each_time_record(records, [](TimeExperiment& e) {
-    if (e.start_is_left_out()) e.leave_out_start(e.start());
-  });
-  return records;
-}
-
 StartsTried score_starts_again(const SearchSetting& setting, SearchRecords records, Model model) {
-  const auto& options = setting.options.starts;
+  const auto& options = setting.options;
   const int before = starts_left_out(records);
   if (before == 0) return {std::move(records), std::move(model)};
   SearchRecords all_scored = records;
@@ -82,18 +57,11 @@ StartsTried score_starts_again(const SearchSetting& setting, SearchRecords recor
   // Those that stand out even now stay left out.
   SearchRecords tried = records;
   for_each_time_record(tried, [&](TimeExperiment& e) {
-    if (!e.start_is_left_out()) return;
-    if (stands_out_at_start(options, refitted, e)) {
-      leave_out(options, refitted, e);
-    } else {
-      e.score_start();
-    }
+    if (e.start_is_left_out() && !stands_out_at_start(options, refitted, e)) e.score_start();
   });
-  if (starts_left_out(tried) < before) {
-    model = fit_in_turn(setting, tried, std::move(refitted)).model;
-    records = std::move(tried);
-  }
-  return {renew_free_responses(setting, std::move(records), model), std::move(model)};
+  if (starts_left_out(tried) == before) return {std::move(records), std::move(model)};
+  model = fit_in_turn(setting, tried, std::move(refitted)).model;
+  return {std::move(tried), std::move(model)};
 }
 
 }  // namespace bodesmith::gap

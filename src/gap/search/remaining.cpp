@@ -43,7 +43,6 @@ std::optional<Leftover> leftover_of(const Model& model, const TimeExperiment& ex
     l.input.push_back(record.u[i]);
     l.output.push_back(output[i]);
   }
-  if (const auto* free = experiment.free_responses()) free->take_out(l.residual);
   return l;
 }
 

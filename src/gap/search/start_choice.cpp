@@ -14,6 +14,7 @@
 #include "gap/runner.hpp"
 #include "gap/search/base_fit.hpp"
 #include "gap/search/record_starts.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -37,13 +38,14 @@ chain::Chain started(chain::Chain base, Start start) {
 }
 
 /// What a model leaves of them when each record began in an unknown state: what free responses of the model explain is taken off.
-double whole_rms_from_any_state(const Model& model, Experiments train) {
-  constexpr std::size_t kFirst = 1;
-  for (auto& e : train) {
-    if (auto* time = std::get_if<TimeExperiment>(&e))
-      time->leave_out_start(kFirst, free_responses(model, *time, kFirst));
+double whole_rms_from_any_state(const Model& model, const Experiments& train) {
+  std::vector<double> left;
+  for (const auto& e : as_searched(train)) {
+    auto residual = residuals_of(model, {e});
+    if (const auto* time = std::get_if<TimeExperiment>(&e)) free_responses(model, *time).take_out(residual);
+    left.insert(left.end(), residual.begin(), residual.end());
   }
-  return rms_of(model, train);
+  return rms(left);
 }
 
 /// A model from one of the two starts, held against the whole training records.
@@ -70,7 +72,7 @@ SearchResult search_all(const chain::Chain& base, const Experiments& train, cons
   const double enough = kStartsExplained * std::min(first.rms, whole_rms_from_any_state(found.final, train));
   if (!(found.train_rms < enough)) return found;
   SearchOptions scored = options;
-  scored.starts.stands_out = std::numeric_limits<double>::infinity();
+  scored.start_stands_out = std::numeric_limits<double>::infinity();
   auto again = search(base, train, scored);
   if (again.stopped || again.steps.empty()) return found;
   const Tried second = tried(again.final, train, options);

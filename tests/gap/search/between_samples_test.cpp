@@ -50,7 +50,7 @@ gap::Experiments record_of_sines(bool smooth) {
   }
   for (double& y : r.y) y += 1e-3 * normal(random);
   gap::TimeExperiment experiment(std::move(r), 300);
-  experiment.leave_out_start(300);
+  experiment.leave_out_start();
   return {experiment};
 }
 

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "gap/evidence/names.hpp"
 #include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"

@@ -394,6 +394,25 @@ TEST(KernelLaws, TheInverseOfABentSpringIsItsForce) {
 }
 
 /// Poles just inside the unit circle are taken, just outside refused, whatever the others are.
+// Along a straight line drag is one force, drag |v| v/(gain w), from the first sample to the last.
+TEST(KernelLaws, TheInverseOfDragIsOneForceAlongALine) {
+  const Block bent = make_block("resonator")
+                         .set("gain", 2.0)
+                         .set("natural_frequency_hz", 10.0)
+                         .set("damping_ratio", 0.1)
+                         .set("quadratic", 0.05);
+  Block dragged = bent;
+  dragged.set("drag", 0.3);
+  for (const double v : {4.0, -4.0}) {
+    const WantedOutput line{0.0, 0.01, {0.1, 0.1 + 0.01 * v, 0.1 + 0.02 * v, 0.1 + 0.03 * v}};
+    const auto without = bent.inverse(line), with = dragged.inverse(line);
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_NEAR(with->values[i] - without->values[i],
+                  0.3 * std::abs(v) * v / (2.0 * Hertz{10.0}.rad_s().value), 1e-12)
+          << i;
+  }
+}
+
 TEST(KernelLaws, AClockedSectionsPolesAreInsideTheUnitCircle) {
   for (const double angle : {0.0, 0.3, 1.4, 2.5, M_PI}) {
     for (const double radius : {0.3, 0.98, 1.02}) {

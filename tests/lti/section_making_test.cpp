@@ -84,6 +84,17 @@ TEST(OrderSections, NoPairingAndOrderIsBetterOfFourSections) {
     EXPECT_TRUE(ordered.exhaustive);
     EXPECT_NEAR(ordered.span_after_db, best, 0.01);
     EXPECT_LE(ordered.span_after_db, ordered.span_before_db + 1e-9);
+    // Stage by stage the signal's peak comes nearer to the whole's, by equal factors.
+    const auto peak_behind = [&](std::size_t stages) {
+      Sections behind = ordered.sections;
+      behind.sections.resize(stages);
+      double peak = 0.0;
+      for (const Hertz f : grid) peak = std::max(peak, std::abs(behind.response(f.rad_s())));
+      return peak;
+    };
+    EXPECT_EQ(ordered.sections.gain, 1.0);
+    for (std::size_t i = 1; i <= 4; ++i)
+      EXPECT_NEAR(peak_behind(i) / std::pow(peak_behind(4), 0.25 * static_cast<double>(i)), 1.0, 1e-9);
     for (const double w : {0.5, 40.0, 3000.0}) {
       EXPECT_NEAR(
           std::abs(ordered.sections.response(RadPerSecond{w}) / given.response(RadPerSecond{w}) - 1.0), 0.0,

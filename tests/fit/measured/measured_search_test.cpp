@@ -58,17 +58,17 @@ TEST(MeasuredSearch, AnOrderAskedForByItselfMeetsModesOverDecades) {
   }
 }
 
-// Six turns of phase: from no delay on no search comes there.
+// Thirty turns of phase: from no delay on no search comes there.
 TEST(MeasuredSearch, ADelayOfManyTurnsIsFound) {
   ResponseSamples samples;
   for (int i = 0; i < 200; ++i) {
     const Complex s(0.0, 0.005 * (i + 1));
     samples.s.push_back(s);
-    samples.response.push_back(std::exp(-40.0 * s) / (1.0 + s / 0.3) + 1e-3 * std::polar(1.0, 2.4 * i * i));
+    samples.response.push_back(std::exp(-200.0 * s) / (1.0 + s / 0.3) + 1e-3 * std::polar(1.0, 2.4 * i * i));
     samples.deviation.push_back(1e-3);
   }
   const FactoredResponse found = MeasuredSearch(samples, true).of_order(1);
-  EXPECT_NEAR(found.delay, 40.0, 0.01);
+  EXPECT_NEAR(found.delay, 200.0, 0.01);
   EXPECT_LT(found.cost, 250.0);
 }
 

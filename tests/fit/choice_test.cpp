@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -37,6 +39,27 @@ TEST(FitChoice, FewBandsStayACascade) {
   for (const auto& [f, g] : {std::pair{1.0, 1.0}, {10.0, 1.06}, {20.0, 1.1}, {60.0, 1.04}, {100.0, 1.17}})
     points.points.push_back({Hertz{f}, g, {}, 1.0, 0});
   EXPECT_FALSE(why_unusable(fit_cascade(points)));
+}
+
+// The paper's chart splits, in its middle, the band that ends at the point of the largest error.
+TEST(ChartedFit, SplitsTheBandThatErrsMost) {
+  BodePoints points;
+  for (const auto& [f, g] : {std::pair{1.0, 7.64}, {5.03, 7.8}, {29.4, 4.49}, {180.49, 4.34}, {198.54, 4.9}})
+    points.points.push_back({Hertz{f}, g, {}, 1.0, 0});
+  double from = 1.0, most = -1.0, middle = 0.0;
+  for (const Cascade::FitPoint& point : fit_cascade(points, {.beta_max = kChartBound}).cascade.fit->points) {
+    const double error = std::abs(point.got_db - point.wanted_db);
+    if (error > most) {
+      most = error;
+      middle = std::sqrt(from * point.frequency.value);
+    }
+    from = point.frequency.value;
+  }
+  const ChartedFit charted = fit_by_chart(points, {});
+  ASSERT_GT(charted.steps.size(), 1u);
+  EXPECT_NE(charted.steps[1].find("split at " + rounded_text(middle) + " Hz"), std::string::npos)
+      << charted.steps[1];
+  EXPECT_LT(charted.fit.cascade.fit->max_db, 0.9 * most);
 }
 
 // What two poles make exactly no bands do: within a wide limit the fewer poles are taken, whichever they are.

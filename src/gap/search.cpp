@@ -8,9 +8,10 @@
 
 #include "gap/evidence/names.hpp"
 #include "gap/runner.hpp"
-#include "gap/search/base_fit.hpp"
 #include "gap/search/beam.hpp"
+#include "gap/search/record_starts.hpp"
 #include "gap/search/remaining.hpp"
+#include "gap/search/stretches.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -27,6 +28,12 @@ bool has_many_of_a_kind(const Model& model, const Experiments& train) {
   return std::ranges::count_if(terms, [](const Term& t) { return t.effect->facts().static_curve; }) >
              kMostOfAKind ||
          (!are_responses(train) && std::ranges::count_if(terms, is_mode) > kMostOfAKind);
+}
+
+/// The base model with its own freedom used: what its free parameters can explain is not missing. As given when it cannot be run.
+Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
+  auto fitted = fit_in_turn(setting, records, setting.initial, setting.options.iterations);
+  return fitted.usable() ? std::move(fitted.model) : setting.initial;
 }
 
 /// The names one after the other, each with what it was chosen from.
@@ -65,7 +72,11 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));
   SearchSetting setting{options, result.initial};
-  auto [model, records] = fit_base(setting, make_records(train, options.stretches, result.initial));
+  const SearchRecords all = make_records(train, options.stretches, result.initial);
+  Model model = refit_base(setting, all);
+  auto [records, wrong_start] = leave_out_wrong_starts(setting, all, model);
+  if (wrong_start) model = refit_base(setting, records);
+  follow_what_is_left(records.stretches, records.train, model, options.stretches);
   result.base = model;
   setting.first_gap = rms_of(model, records.train);
   Beam beam;

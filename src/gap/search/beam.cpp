@@ -14,7 +14,6 @@
 #include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
-#include "gap/search/base_fit.hpp"
 #include "gap/search/between_samples.hpp"
 #include "gap/search/moves.hpp"
 #include "gap/search/record_starts.hpp"

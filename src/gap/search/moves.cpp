@@ -7,7 +7,6 @@
 
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
-#include "gap/search/base_fit.hpp"
 #include "gap/search/round.hpp"
 
 namespace bodesmith::gap {

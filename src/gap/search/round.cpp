@@ -123,7 +123,7 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
     without.remove(last);
     const auto scene = make_scene(without, records.train);
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
-    if (r.effect->is_implausible(r.model, scene))
+    if (r.effect->is_implausible(r.model))
       r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogImplausible);
   });
   double best = std::numeric_limits<double>::infinity();

@@ -12,7 +12,6 @@
 #include "gap/model/model_fit.hpp"
 #include "gap/records/settling.hpp"
 #include "gap/runner.hpp"
-#include "gap/search/base_fit.hpp"
 #include "gap/search/record_starts.hpp"
 #include "signal/statistics.hpp"
 

@@ -27,15 +27,15 @@ struct EffectFacts {
   bool starts_from_residual = false;
   /// A circuit whose capacitors and op-amps are known has no dynamics but theirs: next to them this is implausible.
   bool of_no_circuit = false;
+  /// What it does is a small part of many other shapes (far above the band a zero is a delay): when another effect fits as well, that has
+  /// the name.
+  bool far_fetched = false;
   int places_a_round = 3;  ///< and forms, that are fitted at the most
   /// Every place it can sit, with start values from the data.
   std::function<void(const Scene&, std::vector<Proposal>&)> propose;
   /// The values of its term in a model make it no name: it is another effect's form (a loop without width is a curve), or
   /// less than the records can tell. The scene is of that model, or of the one without the term.
   std::function<bool(const Model&, const Term&, const Scene&)> is_no_name = {};
-  /// The values of its term, a model's last one, lie where another effect is the usual cause of the same traces (docs/gap.md, 7): when that one
-  /// fits as well, it has the name.
-  std::function<bool(const Model&, const Scene&)> is_implausible = {};
 
   bool may_repeat(bool in_response) const { return repeatable || (in_response && repeatable_in_response); }
 };
@@ -55,9 +55,8 @@ class Effect {
   bool is_no_name(const Model& model, const Term& term, const Scene& scene) const {
     return facts_.is_no_name && facts_.is_no_name(model, term, scene);
   }
-  bool is_implausible(const Model& model, const Scene& scene) const {
-    return (facts_.of_no_circuit && model.opamps_are_known()) ||
-           (facts_.is_implausible && facts_.is_implausible(model, scene));
+  bool is_implausible(const Model& model) const {
+    return facts_.far_fetched || (facts_.of_no_circuit && model.opamps_are_known());
   }
 
  private:

@@ -8,24 +8,9 @@
 #include "base/whole_number.hpp"
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/effects/relaxation_band.hpp"
 
 namespace bodesmith::gap {
 namespace {
-
-/// Geometric mean of a term's time constants, weighted with their gains, s; 0 when it does nothing.
-double middle_of_relaxations(const Term& term, const Model& model) {
-  const auto& block = model.at(model.position_of(term.blocks.front()));
-  const auto& gains = block.list("gains");
-  const auto& times = block.list("time_constants_s");
-  double sum = 0.0;
-  double weights = 0.0;
-  for (std::size_t k = 0; k < gains.size(); ++k) {
-    sum += gains[k] * std::log(times[k]);
-    weights += gains[k];
-  }
-  return weights > 0.0 ? std::exp(sum / weights) : 0.0;
-}
 
 /// Relaxations of one decade of a logarithmic creep.
 constexpr int kOfDecade = 3;
@@ -101,14 +86,9 @@ void propose_creep(const Scene& scene, std::vector<Proposal>& out) {
   }
 }
 
-bool creep_is_implausible(const Model& model, const Scene& scene) {
-  return lies_in_driven_band(middle_of_relaxations(model.terms().back(), model), scene);
-}
-
 }  // namespace
 
 BODESMITH_EFFECT(creep, .what = "slow relaxation, logarithmic or of several time constants",
-                 .experiment = "a long record after one step", .linear = true, .propose = propose_creep,
-                 .is_implausible = creep_is_implausible)
+                 .experiment = "a long record after one step", .linear = true, .propose = propose_creep)
 
 }  // namespace bodesmith::gap

@@ -3,20 +3,12 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/effects/relaxation_band.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 /// Nearer to one it is a pole or a zero.
 constexpr double kMaxOrder = 0.6;
-
-/// Between its corners the gain falls like that of logarithmic creep with these time constants.
-bool rate_dependence_is_implausible(const Model& model, const Scene& scene) {
-  const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));
-  return block.get("beta") <= 0.0 &&
-         lies_below_driven_band(block.get("lambda_s") * std::sqrt(block.get("x")), scene);
-}
 
 void propose_rate_dependence(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.linear_places()) {
@@ -40,6 +32,6 @@ void propose_rate_dependence(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(rate_dependence, .what = "the gain changes with frequency by a fractional order",
                  .experiment = "a sweep over more decades", .linear = true,
-                 .propose = propose_rate_dependence, .is_implausible = rate_dependence_is_implausible)
+                 .propose = propose_rate_dependence)
 
 }  // namespace bodesmith::gap

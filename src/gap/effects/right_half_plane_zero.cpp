@@ -24,10 +24,6 @@ Proposal one_corner(const Scene& scene, std::size_t at, double low, double high,
                       });
 }
 
-/// Far above the band it is a delay, and a small part of many other shapes.
-bool right_half_plane_zero_is_implausible(const Model& /*model*/, const Scene& /*scene*/) {
-  return true;
-}
 void propose_right_half_plane_zero(const Scene& scene, std::vector<Proposal>& out) {
   if (!scene.frequency_only) return;
   const double low = 0.3 * scene.low_hz;
@@ -53,7 +49,6 @@ void propose_right_half_plane_zero(const Scene& scene, std::vector<Proposal>& ou
 BODESMITH_EFFECT(
     right_half_plane_zero, .what = "a zero in the right half-plane: a step begins the wrong way",
     .experiment = "a sweep to higher frequencies: the phase of a zero comes to an end, a delay's does not",
-    .linear = true, .propose = propose_right_half_plane_zero,
-    .is_implausible = right_half_plane_zero_is_implausible)
+    .linear = true, .far_fetched = true, .propose = propose_right_half_plane_zero)
 
 }  // namespace bodesmith::gap

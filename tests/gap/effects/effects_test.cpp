@@ -382,7 +382,6 @@ struct Judged {
     ADD_FAILURE() << name << " has no proposal of " << values.size() << " unknowns";
   }
   bool no_name() const { return effect.is_no_name(model, model.terms().back(), scene); }
-  bool implausible() const { return effect.is_implausible(model, scene); }
 };
 
 // What is so short that the way between samples passes for it: .01 of a sample; a response has no samples.
@@ -398,26 +397,6 @@ TEST(Effects, WhatIsBetweenSamplesIsNoName) {
       "[[block]]\ntype = \"polynomial_hysteresis\"\nascending = [-0.06, 0.03, 0.01]\ndescending = [0.06, -0.03, 0.008]\n";
   EXPECT_TRUE(Judged("switch_delay", false, {0.009e-3}, loop).no_name());
   EXPECT_FALSE(Judged("switch_delay", false, {0.011e-3}, loop).no_name());
-}
-
-// Creep lies below the driven band, rate dependence within it: by the middle of their time constants against that of the drive.
-TEST(Effects, RelaxationsAreNamedByWhereTheyLie) {
-  const gap::Scene scene = Judged("creep", false, {0.05, 0.1}).scene;
-  const auto seconds = [&](double corner_over_band) {
-    return 1.0 / (2.0 * std::numbers::pi * corner_over_band * std::sqrt(scene.low_hz * scene.band_hz));
-  };
-  EXPECT_TRUE(Judged("creep", false, {0.05, seconds(0.36)}).implausible());
-  EXPECT_FALSE(Judged("creep", false, {0.05, seconds(0.34)}).implausible());
-  EXPECT_FALSE(Judged("creep", false, {0.0, seconds(0.36)}).implausible());
-  EXPECT_FALSE(Judged("creep", true, {0.05, 1e-3}).implausible());
-  // The middle of lambda and x lambda, of a gain that falls.
-  const auto rate = [&](double corner_over_band, double beta) {
-    return Judged("rate_dependence", false, {seconds(corner_over_band) / std::sqrt(0.04), 0.04, beta})
-        .implausible();
-  };
-  EXPECT_TRUE(rate(0.19, -0.1));
-  EXPECT_FALSE(rate(0.21, -0.1));
-  EXPECT_FALSE(rate(0.19, 0.1));
 }
 
 // Branches that differ by less than what a name must explain, of their common bend, are a curve.

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "base/text.hpp"
@@ -38,24 +36,6 @@ void weigh(const SearchRecords& records, PlacedSet& set) {
   set.log_evidence = log_evidence(set.model, records.train);
   set.train_rms = rms_of(set.model, records.train);
 }
-
-/// What a search has gone on from: sets of names, the evidence they had, and the samples it is of.
-class GoneOnFrom {
- public:
-  enum class Move { one_more, another };
-  /// Whether that move was made before from a set as good; from now on it was.
-  bool again(Move move, const PlacedSet& set, const SearchRecords& records) {
-    const auto [found, is_new] = evidence_.emplace(
-        std::tuple(move, names_of(set.model), scored_samples(records.train)), set.log_evidence);
-    if (is_new) return false;
-    if (!(set.log_evidence > found->second)) return true;
-    found->second = set.log_evidence;
-    return false;
-  }
-
- private:
-  std::map<std::tuple<Move, std::multiset<std::string>, std::size_t>, double> evidence_;
-};
 
 /// The set without one of its terms, the others as they stand.
 PlacedSet without(PlacedSet set, std::size_t term) {
@@ -180,15 +160,11 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
 }
 
 /// Names taken out and exchanged as long as that raises the evidence.
-PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, PlacedSet set,
-                   GoneOnFrom& gone_on_from) {
+PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
   std::set<std::multiset<std::string>> tried;
-  std::multiset<std::string> names;
   const std::size_t count = count_of(set);
   set = dropped(setting, records, std::move(set));
   for (bool first = true; count_of(set) > 1; first = false) {
-    const auto before = std::exchange(names, names_of(set.model));
-    if (names != before && gone_on_from.again(GoneOnFrom::Move::another, set, records)) break;
     const bool fresh = first && count_of(set) == count && set.rivals.back().ranking.size() > 1;
     auto other = exchanged(setting, records, set, fresh, tried);
     if (!other) break;
@@ -225,13 +201,13 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
 
 /// The round's best, settled, or where that is another effect's form once it is fitted to its end, the next best; whether that
 /// raised the evidence.
-bool one_more(const SearchSetting& setting, Beam& beam, GoneOnFrom& gone_on_from) {
+bool one_more(const SearchSetting& setting, Beam& beam) {
   auto more = grown(setting, beam, beam.best);
   while (more) {
     const auto* effect = more->model.terms().back().effect;
     auto ranking = more->rivals.back().ranking;
     auto next = settled(setting, beam, std::move(*more));
-    next = improved(setting, beam.records, std::move(next), gone_on_from);
+    next = improved(setting, beam.records, std::move(next));
     if (next.log_evidence > beam.best.log_evidence) {
       beam.best = std::move(next);
       return true;
@@ -247,7 +223,7 @@ bool one_more(const SearchSetting& setting, Beam& beam, GoneOnFrom& gone_on_from
 }
 
 /// One name more after the other, as long as the evidence grows.
-void grow(const SearchSetting& setting, Beam& beam, bool report, GoneOnFrom& gone_on_from) {
+void grow(const SearchSetting& setting, Beam& beam, bool report) {
   const auto& options = setting.options;
   while (static_cast<int>(count_of(beam.best)) < options.max_terms && !options.is_late()) {
     const auto terms = count_of(beam.best);
@@ -260,8 +236,7 @@ void grow(const SearchSetting& setting, Beam& beam, bool report, GoneOnFrom& gon
         weigh(beam.records, beam.best);
       }
     }
-    if (gone_on_from.again(GoneOnFrom::Move::one_more, beam.best, beam.records)) return;
-    if (!one_more(setting, beam, gone_on_from)) return;
+    if (!one_more(setting, beam)) return;
   }
 }
 
@@ -284,7 +259,7 @@ void without_the_engines_own(const SearchSetting& setting, const PlacedSet& base
 }
 
 /// Two names at once, where one after the other came to no end, or one of many unknowns may stand for two others.
-void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam, GoneOnFrom& gone_on_from) {
+void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
   const auto& options = setting.options;
   std::set<std::multiset<std::string>> came_to = {names_of(beam.best.model)};
   for (auto& pair : best_pairs(setting, base.records, base.first)) {
@@ -301,10 +276,10 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam, GoneO
     // The best pair may hold one name too many or another's; of the others those that are better than what stands.
     const bool better = log_evidence(set.model, beam.records.train) > beam.best.log_evidence;
     if (!better && came_to.size() > 1) continue;
-    set = improved(setting, other.records, std::move(set), gone_on_from);
+    set = improved(setting, other.records, std::move(set));
     if (!came_to.insert(names_of(set.model)).second) continue;
     other.best = std::move(set);
-    grow(setting, other, false, gone_on_from);
+    grow(setting, other, false);
     // By the records of the one that stands.
     const double evidence = log_evidence(other.best.model, beam.records.train);
     if (!(evidence > beam.best.log_evidence)) continue;
@@ -330,8 +305,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   const auto& options = setting.options;
   const PlacedSet base_set = beam.best;
   SearchRecords base_records = beam.records;
-  GoneOnFrom gone_on_from;
-  grow(setting, beam, true, gone_on_from);
+  grow(setting, beam, true);
   if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
   if (are_responses(beam.records.train) || options.max_terms < 2 || options.is_late()) return;
   if (is_something_left(beam.best.model, beam.records) || could_be_fewer(options, beam.best.model)) {
@@ -340,7 +314,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
     base.records.set_holds(holds_of(beam.records.train));
     base.best = base_set;
     base.first = beam.first;
-    try_pairs(setting, base, beam, gone_on_from);
+    try_pairs(setting, base, beam);
   }
 }
 

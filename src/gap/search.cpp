@@ -75,7 +75,8 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   const SearchRecords all = make_records(train, options.stretches, result.initial);
   Model model = refit_base(setting, all);
   auto [records, wrong_start] = leave_out_wrong_starts(setting, all, model);
-  if (wrong_start) model = refit_base(setting, records);
+  // A second time, as values far off may still be on their way.
+  if (wrong_start) model = fit_in_turn(setting, records, refit_base(setting, records)).model;
   follow_what_is_left(records.stretches, records.train, model, options.stretches);
   result.base = model;
   setting.first_gap = rms_of(model, records.train);

@@ -41,6 +41,7 @@ double whole_rms_from_any_state(const Model& model, const Experiments& train) {
   std::vector<double> left;
   for (const auto& e : as_searched(train)) {
     auto residual = residuals_of(model, {e});
+    if (residual.empty()) return std::numeric_limits<double>::infinity();
     if (const auto* time = std::get_if<TimeExperiment>(&e)) free_responses(model, *time).take_out(residual);
     left.insert(left.end(), residual.begin(), residual.end());
   }

@@ -393,7 +393,6 @@ TEST(KernelLaws, TheInverseOfABentSpringIsItsForce) {
   EXPECT_FALSE(Block(block).set("gain", 0.0).inverse(wanted));
 }
 
-/// Poles just inside the unit circle are taken, just outside refused, whatever the others are.
 // Along a straight line drag is one force, drag |v| v/(gain w), from the first sample to the last.
 TEST(KernelLaws, TheInverseOfDragIsOneForceAlongALine) {
   const Block bent = make_block("resonator")
@@ -413,6 +412,7 @@ TEST(KernelLaws, TheInverseOfDragIsOneForceAlongALine) {
   }
 }
 
+/// Poles just inside the unit circle are taken, just outside refused, whatever the others are.
 TEST(KernelLaws, AClockedSectionsPolesAreInsideTheUnitCircle) {
   for (const double angle : {0.0, 0.3, 1.4, 2.5, M_PI}) {
     for (const double radius : {0.3, 0.98, 1.02}) {

@@ -8,8 +8,6 @@
 #include <random>
 #include <vector>
 
-#include "signal/periodogram.hpp"
-
 namespace {
 
 using namespace bodesmith;

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <vector>
 
 #include "gap/model/model.hpp"
+#include "gap/records/directions.hpp"
 #include "gap/records/experiment.hpp"
 #include "numeric/optimisation/least_squares.hpp"
 

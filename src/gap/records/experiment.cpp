@@ -1,38 +1,11 @@
 #include "gap/records/experiment.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "gap/records/response_weights.hpp"
-#include "numeric/index.hpp"
 
 namespace bodesmith::gap {
-namespace {
-
-double length_of(const std::vector<double>& v) {
-  return as_eigen(v).norm();
-}
-
-}  // namespace
-
-void Directions::add(std::vector<double> v) {
-  constexpr double kLeastOwn = 1e-5;
-  const double size = length_of(v);
-  if (!(size > 0.0) || !std::isfinite(size)) return;
-  for (double& x : v) x /= size;
-  for (int twice = 0; twice < 2; ++twice) take_out(v);
-  const double left = length_of(v);
-  if (left < kLeastOwn) return;
-  for (double& x : v) x /= left;
-  all_.push_back(std::move(v));
-}
-
-void Directions::take_out(std::span<double> v) const {
-  Eigen::Map<Eigen::VectorXd> rest(v.data(), eigen_index(v.size()));
-  for (const auto& direction : all_) rest -= as_eigen(direction) * as_eigen(direction).dot(rest);
-}
 
 TimeExperiment::TimeExperiment(TimeRecord record, std::size_t start)
     : record_(std::make_shared<const TimeRecord>(std::move(record))),

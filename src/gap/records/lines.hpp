@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gap/model/model.hpp"
+#include "gap/records/directions.hpp"
 #include "gap/records/experiment.hpp"
 
 namespace bodesmith::gap {

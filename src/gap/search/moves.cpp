@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <set>
+#include <string>
 
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"

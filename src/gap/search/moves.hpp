@@ -1,7 +1,5 @@
 #pragma once
 
-#include <set>
-#include <string>
 #include <utility>
 #include <vector>
 

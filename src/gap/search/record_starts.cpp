@@ -1,7 +1,5 @@
 #include "gap/search/record_starts.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "gap/runner.hpp"

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "gap/model/model_fit.hpp"
+#include "gap/records/directions.hpp"
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"

@@ -31,15 +31,14 @@ using ::testing::Not;
 const std::string kProject = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/seed.toml";
 
 /// The paper's design at two frequencies or one and a given clock, which spares every alternative its search (tests/project has the clocks that are found).
-void write_with_clock(const fs::path& folder, const std::string& fpaa_percent, bool at_1_hz_too = true) {
+void write_with_clock(const fs::path& folder, const std::string& fpaa_percent,
+                      const std::string& hz = "1, 100", const std::string& measured_percent = "0.98, 0.56") {
   fs::copy(fs::path(kProject).parent_path(), folder, fs::copy_options::recursive);
   std::string text =
       replaced(read_file(kProject), "fpaa_percent = 0.05 ", "fpaa_percent = " + fpaa_percent + " ");
   text = replaced(text, "(\\[hardware.fpaa\\]\n)", "$1clock_hz = 2000.0\n");
-  text = replaced(text, "frequency_hz = \\[1, 10, 20, [^\\]]*",
-                  at_1_hz_too ? "frequency_hz = [1, 100" : "frequency_hz = [100");
-  text = replaced(text, "measured_percent = [^\\]]*",
-                  at_1_hz_too ? "measured_percent = [0.98, 0.56" : "measured_percent = [0.56");
+  text = replaced(text, "frequency_hz = \\[1, 10, 20, [^\\]]*", "frequency_hz = [" + hz);
+  text = replaced(text, "measured_percent = [^\\]]*", "measured_percent = [" + measured_percent);
   write_file(folder / "seed.toml", text);
 }
 
@@ -192,7 +191,7 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
 
 TEST(Run, ALimitThatIsNotMetIsStatusOneAndASecondRunWritesTheSameBytesButForTimes) {
   const TemporaryFolder folder;
-  write_with_clock(folder / "p", "0.0001", false);
+  write_with_clock(folder / "p", "0.0001", "100", "0.56");
   for (const char* out : {"one", "two"}) {  // without a simulator: the limit is the plan's
     const ProgramResult result =
         run_shell("BODESMITH_NGSPICE=/nowhere " + std::string(BODESMITH_PROGRAM) + " run " +

@@ -26,10 +26,12 @@ struct CanStand {
 
 struct MakePart {
   using Part = std::unique_ptr<OdePart>;
-  Part operator()(const LinearKernel& linear) const { return make_linear_part(linear); }
+  Part operator()(const LinearKernel& linear) const { return make_dynamics_part(linear, nullptr); }
   Part operator()(const std::unique_ptr<CurveKernel>& curve) const { return make_curve_part(*curve); }
   Part operator()(const std::unique_ptr<SourceKernel>& source) const { return make_source_part(*source); }
-  Part operator()(const std::unique_ptr<OdeKernel>& system) const { return make_dynamics_part(*system); }
+  Part operator()(const std::unique_ptr<OdeKernel>& system) const {
+    return make_dynamics_part(system->linear(), system.get());
+  }
   Part operator()(const std::unique_ptr<MemoryKernel>& memory) const {
     if (memory->has_branches()) return make_branch_part(*memory);
     return memory->slew_rate() > 0.0 ? make_slew_part(*memory) : make_memory_part(*memory);

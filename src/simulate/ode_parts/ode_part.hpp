@@ -74,8 +74,7 @@ bool can_stand_in_ode(const chain::Kernel& kernel);
 std::unique_ptr<OdePart> make_ode_part(const chain::Kernel& kernel);
 
 // The kinds, each in a file of its own.
-std::unique_ptr<OdePart> make_linear_part(const StateSpace& system);
-std::unique_ptr<OdePart> make_dynamics_part(const chain::OdeKernel& system);
+std::unique_ptr<OdePart> make_dynamics_part(const StateSpace& linear, const chain::OdeKernel* bend);
 std::unique_ptr<OdePart> make_curve_part(const chain::CurveKernel& curve);
 std::unique_ptr<OdePart> make_source_part(const chain::SourceKernel& source);
 std::unique_ptr<OdePart> make_memory_part(chain::MemoryKernel& memory);

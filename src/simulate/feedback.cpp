@@ -195,13 +195,11 @@ std::variant<LinearKernel, NoClosedForm> linear_plant(const chain::Chain& plant)
     const auto* k = std::get_if<LinearKernel>(&kernel);
     if (k == nullptr || k->delay_s > 0.0) {
       return NoClosedForm{
-          NoClosedForm::Reason::not_linear,
           fmt::format("block {} ({}) is not linear dynamics", i + 1, plant.blocks[i].type_name())};
     }
     out = chain::in_series(out, *k);
   }
-  if (out.d != 0.0 || out.order() == 0)
-    return NoClosedForm{NoClosedForm::Reason::algebraic, "the plant answers its drive at once"};
+  if (out.d != 0.0 || out.order() == 0) return NoClosedForm{"the plant answers its drive at once"};
   return out;
 }
 
@@ -215,11 +213,10 @@ LoopOutcome run_exact_loop(const chain::Chain& plant, const std::vector<double>&
   const auto times = sampled ? sample_times(controller.period_s, reference.step_s) : SampleTimes{};
   if (!times) {
     return NoClosedForm{
-        NoClosedForm::Reason::unmatched_period,
         "the controller's period and the record's step are not whole multiples of each other"};
   }
   if (!sampled && controller.limited()) {
-    return NoClosedForm{NoClosedForm::Reason::limited, "a continuous controller with limits is not linear"};
+    return NoClosedForm{"a continuous controller with limits is not linear"};
   }
   LoopResult out;
   out.stats.engine = Engine::exact;

@@ -69,33 +69,13 @@ struct Result {
 
 /// Why there is no closed form.
 struct NoClosedForm {
-  enum class Reason {
-    one_sample,                 ///< the record has no interval
-    not_polynomial,             ///< a block that is neither linear nor a polynomial
-    many_corners,               ///< the record engine does it faster
-    constant_between_dynamics,  ///< an offset between dynamics, or a block driven by a constant
-    behind_dynamics,            ///< a curve, source or memory behind linear dynamics
-    high_degree,                ///< polynomials of polynomials
-    turn_in_segment,            ///< a memory's input turns elsewhere than at a corner
-    near_equal_poles,           ///< the modes are badly conditioned
-    not_linear,                 ///< a loop: a plant that is not linear dynamics
-    algebraic,                  ///< a loop: the plant answers its drive at once
-    unmatched_period,           ///< a loop: sample times of controller and record have no common grid
-    limited,                    ///< a loop: a continuous controller with limits
-  };
-  Reason reason;
   std::string text;
 };
 
 /// u = f + control(r - y), y = P{u}: a feed-forward signal and the loop round the plant, as the disturbance
 /// paper's hybrid controllers. r and f are straight lines between samples.
-struct LoopResult {
-  std::vector<double> y;
+struct LoopResult : Result {
   std::vector<double> drive;  ///< u; at a clock edge of a sampled controller its new value
-  std::optional<double> error_estimate;
-  double model_error = 0.0;  ///< as in Result
-  Stats stats;
-  std::vector<std::string> notes;
 };
 
 /// An output beyond which a model is said to run away: sums of squares of less are doubles.

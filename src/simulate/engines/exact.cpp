@@ -23,7 +23,6 @@ using chain::MemoryKernel;
 using chain::OdeKernel;
 using chain::SampledKernel;
 using chain::SourceKernel;
-using Reason = NoClosedForm::Reason;
 using ExactSegment = ExactPropagator::Segment;
 constexpr std::size_t kMaxPolynomial = ExactPropagator::kMaxInputDegree;
 
@@ -109,8 +108,8 @@ class ClosedForm {
     return no_polynomial(block);
   }
   NoClosedForm no_polynomial(std::size_t block) const {
-    return {Reason::not_polynomial, fmt::format("block {} ({}) is neither linear nor a polynomial", block + 1,
-                                                chain_.blocks[block].type_name())};
+    return {fmt::format("block {} ({}) is neither linear nor a polynomial", block + 1,
+                        chain_.blocks[block].type_name())};
   }
 
   const chain::Chain& chain_;
@@ -124,7 +123,7 @@ class ClosedForm {
 };
 
 ClosedForm::Refusal ClosedForm::build(bool any_input) {
-  if (input_.size() < 2) return NoClosedForm{Reason::one_sample, "the record has one sample"};
+  if (input_.size() < 2) return NoClosedForm{"the record has one sample"};
   std::vector<Kernel> kernels;
   for (const auto& block : chain_.blocks) kernels.push_back(block.kernel());
   for (std::size_t i = 0; i < kernels.size(); ++i) {
@@ -132,12 +131,12 @@ ClosedForm::Refusal ClosedForm::build(bool any_input) {
   }
   const std::size_t most = input_.size() / 8;
   if (!any_input && DenseSignal::count_lines(input_, most) > most)
-    return NoClosedForm{Reason::many_corners, "the input has a corner at nearly every sample"};
+    return NoClosedForm{"the input has a corner at nearly every sample"};
   segments_ = straight_segments(DenseSignal::from_record(input_));
   for (std::size_t i = 0; i < kernels.size(); ++i) {
     if (dynamic_ && !std::holds_alternative<LinearKernel>(kernels[i])) {
-      return NoClosedForm{Reason::behind_dynamics, fmt::format("block {} ({}) follows linear dynamics", i + 1,
-                                                               chain_.blocks[i].type_name())};
+      return NoClosedForm{
+          fmt::format("block {} ({}) follows linear dynamics", i + 1, chain_.blocks[i].type_name())};
     }
     if (auto refusal = std::visit([&](const auto& kernel) { return add(i, kernel); }, kernels[i]))
       return refusal;
@@ -154,12 +153,10 @@ ClosedForm::Refusal ClosedForm::add(std::size_t block, const LinearKernel& k) {
   }
   dynamic_ = true;
   if (k.order() > 0 && after_ != 0.0) {
-    return NoClosedForm{Reason::constant_between_dynamics,
-                        fmt::format("a constant enters between dynamics in front of block {}", block + 1)};
+    return NoClosedForm{fmt::format("a constant enters between dynamics in front of block {}", block + 1)};
   }
   if (!k.constant.empty()) {
-    return NoClosedForm{Reason::constant_between_dynamics,
-                        fmt::format("block {} is driven by a constant", block + 1)};
+    return NoClosedForm{fmt::format("block {} is driven by a constant", block + 1)};
   }
   after_ = k.d * after_ + k.offset;
   LinearKernel plain = k;
@@ -172,8 +169,7 @@ ClosedForm::Refusal ClosedForm::add(std::size_t block, const std::unique_ptr<Cur
   rest_ = curve->value(rest_);
   for (ExactSegment& s : segments_) {
     if (!compose(s, *curve->polynomial())) {
-      return NoClosedForm{Reason::high_degree,
-                          fmt::format("block {} makes a polynomial of too high a degree", block + 1)};
+      return NoClosedForm{fmt::format("block {} makes a polynomial of too high a degree", block + 1)};
     }
   }
   return std::nullopt;
@@ -192,7 +188,7 @@ ClosedForm::Refusal ClosedForm::add(std::size_t /*block*/, const std::unique_ptr
 
 ClosedForm::Refusal ClosedForm::add(std::size_t block, const std::unique_ptr<MemoryKernel>& memory) {
   if (!by_branches(segments_, *memory)) {
-    return NoClosedForm{Reason::turn_in_segment, fmt::format("block {} turns inside a segment", block + 1)};
+    return NoClosedForm{fmt::format("block {} turns inside a segment", block + 1)};
   }
   rest_ = memory->reset(rest_, true);
   return std::nullopt;
@@ -203,7 +199,6 @@ std::variant<Result, NoClosedForm> ClosedForm::run(Start start) const {
   const double condition = modes.condition;
   if (!(condition <= ModalSystem::kMaxCondition)) {
     return NoClosedForm{
-        Reason::near_equal_poles,
         fmt::format("the linear part has nearly equal poles (its modes are {:.1g} times what they add up to)",
                     condition)};
   }

@@ -28,10 +28,6 @@ ExactPropagator::ExactPropagator(ModalSystem system, double step_s)
   }
 }
 
-void ExactPropagator::reset() {
-  std::ranges::fill(state_, Mode());
-}
-
 void ExactPropagator::rest_under(double u) {
   for (std::size_t k = 0; k < state_.size(); ++k) state_[k] = -system_.residues[k] * u / system_.poles[k];
 }

@@ -30,15 +30,12 @@ class ExactPropagator {
   /// Output samples are taken at start_s + i step_s.
   ExactPropagator(ModalSystem system, double step_s);
 
-  /// All states 0, or at rest under u.
-  void reset();
+  /// All states at rest under u; without it they are 0.
   void rest_under(double u);
   /// Output at every sample from segments.front().begin to segments.back().end; a sample on a common end
   /// belongs to the earlier segment (the first sample to the first). Segments join without gaps. Returns how
   /// many samples were written.
   std::size_t run(std::span<const Segment> segments, double start_s, std::span<double> output);
-
-  const ModalSystem& system() const { return system_; }
 
  private:
   using Mode = Complex;
@@ -58,7 +55,6 @@ class ExactPropagator {
 
   ModalSystem system_;
   double step_;
-  std::vector<double> pole_real_;
   std::vector<Mode> state_;
   std::vector<Mode> amplitude_;                  // of each fast mode's exponential; 0 for slow ones
   std::vector<double> power_real_, power_imag_;  // exp(p step j), j = 0...7, a row a mode

@@ -79,33 +79,6 @@ void ModalSystem::find_condition() {
   if (!std::isfinite(condition)) condition = std::numeric_limits<double>::infinity();
 }
 
-ModalSystem ModalSystem::from(const Sections& sections) {
-  std::vector<ModalComplex> zeros;
-  std::vector<ModalComplex> poles;
-  double gain = sections.gain;
-  for (const Section& s : sections.sections) {
-    gain *= s.gain;
-    zeros.insert(zeros.end(), s.zeros.begin(), s.zeros.end());
-    poles.insert(poles.end(), s.poles.begin(), s.poles.end());
-  }
-  ModalSystem m;
-  if (zeros.size() == poles.size()) m.direct = gain;
-  for (std::size_t k = 0; k < poles.size(); ++k) {
-    if (poles[k].imag() < 0.0) continue;
-    // A zero over a pole at a time: no overflow for many roots.
-    ModalComplex r = gain;
-    std::size_t z = 0;
-    for (std::size_t j = 0; j < poles.size(); ++j) {
-      if (j != k) r /= poles[k] - poles[j];
-      if (z < zeros.size()) r *= poles[k] - zeros[z++];
-    }
-    m.poles.push_back(poles[k]);
-    m.residues.push_back(r);
-  }
-  m.find_condition();
-  return m;
-}
-
 ModalSystem ModalSystem::from(const StateSpace& system) {
   ModalSystem m;
   m.direct = system.d;

@@ -18,9 +18,8 @@ struct ModalSystem {
   /// what they add up to. Rounding is that much worse; near-equal poles make it large.
   double condition = 1.0;
 
-  /// Products over the roots, cost n^2. Poles that are exactly equal give an infinite condition.
-  static ModalSystem from(const Sections& sections);
-  /// Eigenvalues of a state space (its offset and constant are left to the caller).
+  /// Eigenvalues of a state space (its offset and constant are left to the caller). Poles that are equal or nearly so give a large
+  /// condition.
   static ModalSystem from(const StateSpace& system);
   /// Sets `condition` from the rest.
   void find_condition();

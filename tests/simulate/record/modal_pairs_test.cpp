@@ -132,29 +132,5 @@ TEST(ModalSystem, ItsModesAddUpToTheResponse) {
   }
 }
 
-TEST(ModalSystem, OfSectionsIsTheirResponse) {
-  Sections sections;
-  sections.gain = 1.5;
-  Section pair;
-  pair.gain = 2.0;
-  pair.zeros = {Complex(-5.0, 7.0), Complex(-5.0, -7.0)};
-  pair.poles = {Complex(-2.0, 40.0), Complex(-2.0, -40.0)};
-  sections.sections = {pair, Section::pole_zero(0.8, RadPerSecond{30.0}, RadPerSecond{10.0})};
-  for (const bool biproper : {true, false}) {
-    if (!biproper) sections.sections[0].zeros.pop_back(), sections.sections[0].zeros[0] = -6.0;
-    const ModalSystem modes = ModalSystem::from(sections);
-    EXPECT_EQ(modes.direct != 0.0, biproper);
-    for (const double w : {0.0, 9.0, 41.0, 500.0}) {
-      Complex sum = modes.direct;
-      for (std::size_t k = 0; k < modes.poles.size(); ++k) {
-        sum += modes.residues[k] / (Complex(0.0, w) - modes.poles[k]);
-        if (modes.poles[k].imag() > 0.0)
-          sum += std::conj(modes.residues[k]) / (Complex(0.0, w) - std::conj(modes.poles[k]));
-      }
-      EXPECT_LT(std::abs(sum - sections.response(RadPerSecond{w})), 1e-9 * (1.0 + std::abs(sum))) << w;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace bodesmith::simulate

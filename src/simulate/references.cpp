@@ -95,44 +95,22 @@ void fill_complex(const ReferenceSpec&, TimeRecord& r) {
   }
 }
 
-/// Highest frequency that the samples must show.
-Hertz own_frequency(const ReferenceSpec& spec) {
-  return spec.frequency;
-}
-Hertz end_of_band(const ReferenceSpec& spec) {
-  return std::max(spec.frequency, spec.last);
-}
-/// The fixed frequencies of fill_complex are never refused.
-Hertz any_step_will_do(const ReferenceSpec&) {
-  return Hertz{0.0};
-}
-
-std::optional<Hertz> repeats(const ReferenceSpec& spec) {
-  return spec.frequency;
-}
-std::optional<Hertz> repeats_never(const ReferenceSpec&) {
-  return std::nullopt;
-}
-std::optional<Hertz> complex_repeats(const ReferenceSpec&) {
-  return Hertz{0.1};
-}
-
 struct Kind {
   ReferenceKind about;
   void (*fill)(const ReferenceSpec&, TimeRecord&);
-  Hertz (*highest)(const ReferenceSpec&);
-  std::optional<Hertz> (*fundamental)(const ReferenceSpec&);
-  bool sweep = false;  ///< one amplitude, one frequency
+  /// Its own frequency; all up to the last one; those of fill_complex, whatever is asked.
+  enum class Shows { own, up_to_last, fixed } shows = Shows::own;
+  bool repeats = true;
 };
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all = {
-      {{"triangle", "straight lines up and down"}, fill_triangle, own_frequency, repeats, true},
-      {{"sine", "one frequency"}, fill_sine, own_frequency, repeats, true},
-      {{"stair", "equal levels up and down"}, fill_stair, own_frequency, repeats, true},
-      {{"multisine", "odd lines with random phases"}, fill_multisine, end_of_band, repeats},
-      {{"chirp", "one frequency after the other"}, fill_chirp, end_of_band, repeats_never},
-      {{"complex", "three sines"}, fill_complex, any_step_will_do, complex_repeats}};
+      {{"triangle", "straight lines up and down"}, fill_triangle},
+      {{"sine", "one frequency"}, fill_sine},
+      {{"stair", "equal levels up and down"}, fill_stair},
+      {{"multisine", "odd lines with random phases"}, fill_multisine, Kind::Shows::up_to_last},
+      {{"chirp", "one frequency after the other"}, fill_chirp, Kind::Shows::up_to_last, false},
+      {{"complex", "three sines"}, fill_complex, Kind::Shows::fixed}};
   return all;
 }
 
@@ -168,7 +146,8 @@ TimeRecord make_reference(const ReferenceSpec& spec) {
                                  rounded_text(spec.duration_s), rounded_text(spec.step_s)));
   }
   const Kind& kind = kind_named(spec.kind);
-  const double highest = kind.highest(spec).value;
+  double highest = kind.shows == Kind::Shows::fixed ? 0.0 : spec.frequency.value;
+  if (kind.shows == Kind::Shows::up_to_last) highest = std::max(highest, spec.last.value);
   if (highest * spec.step_s > 0.5) {
     throw InputError(fmt::format("a step of {} s cannot show {} Hz, expected at most {} s",
                                  rounded_text(spec.step_s), rounded_text(highest),
@@ -182,11 +161,14 @@ TimeRecord make_reference(const ReferenceSpec& spec) {
 }
 
 bool can_be_swept(const std::string& kind) {
-  return std::ranges::any_of(kinds(), [&](const Kind& k) { return k.about.name == kind && k.sweep; });
+  return std::ranges::any_of(
+      kinds(), [&](const Kind& k) { return k.about.name == kind && k.shows == Kind::Shows::own; });
 }
 
 std::optional<Hertz> fundamental_of(const ReferenceSpec& spec) {
-  return kind_named(spec.kind).fundamental(spec);
+  const Kind& kind = kind_named(spec.kind);
+  if (kind.shows == Kind::Shows::fixed) return Hertz{0.1};
+  return kind.repeats ? std::optional(spec.frequency) : std::nullopt;
 }
 
 }  // namespace bodesmith::simulate

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <complex>
 #include <mutex>
-#include <numbers>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/text.hpp"
+#include "numeric/fourier.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
@@ -24,15 +24,6 @@
 
 namespace bodesmith::simulate {
 namespace {
-
-Complex line(std::span<const double> x, int k) {
-  Complex sum = 0.0;
-  const double n = static_cast<double>(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    sum += x[i] * std::polar(2.0 / n, -2.0 * std::numbers::pi * k * static_cast<double>(i) / n);
-  }
-  return sum;
-}
 
 std::pair<std::vector<double>, double> output_for(const chain::Chain& chain, const SweepOptions& options,
                                                   const TimeRecord& u) {
@@ -46,22 +37,20 @@ std::pair<std::vector<double>, double> output_for(const chain::Chain& chain, con
 
 /// The figures of one period of u and y.
 SweepRow figures(std::span<const double> u, std::span<const double> y) {
-  constexpr int kMaxHarmonic = 20;
+  constexpr std::size_t kMaxHarmonic = 20;
   SweepRow row;
   const auto [low, high] = std::minmax_element(y.begin(), y.end());
   const ErrorFigures difference = error_figures(u, y);  // range of y, as eq. 8
   row.rms_percent = difference.rms_percent;
   row.max_percent = *high > *low ? 100.0 * difference.max / (*high - *low) : 0.0;
   row.loop_height_percent = hysteresis_loop(u, y).height_percent;
-  const auto in = line(u, 1);
-  const auto out = line(y, 1);
-  if (std::abs(in) > 0.0 && std::abs(out) > 0.0) {
-    row.gain_db = to_decibel(std::abs(out / in));
-    row.phase_deg = to_degrees(std::arg(out / in));
-    const int lines = static_cast<int>(u.size()) / 2 - 1;
+  const std::vector<Complex> in = half_spectrum(u), out = half_spectrum(y);
+  if (std::abs(in[1]) > 0.0 && std::abs(out[1]) > 0.0) {
+    row.gain_db = to_decibel(std::abs(out[1] / in[1]));
+    row.phase_deg = to_degrees(std::arg(out[1] / in[1]));
     double power = 0.0;
-    for (int k = 2; k <= std::min(kMaxHarmonic, lines); ++k) power += std::norm(line(y, k));
-    row.distortion_percent = 100.0 * std::sqrt(power) / std::abs(out);
+    for (std::size_t k = 2; k <= std::min(kMaxHarmonic, u.size() / 2 - 1); ++k) power += std::norm(out[k]);
+    row.distortion_percent = 100.0 * std::sqrt(power) / std::abs(out[1]);
   }
   return row;
 }
@@ -153,22 +142,31 @@ std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& o
   return out;
 }
 
+namespace {
+
+/// Of a table of rows, behind their frequency.
+constexpr std::pair<std::string_view, double SweepRow::*> kSweepColumns[] = {
+    {"amplitude", &SweepRow::amplitude},
+    {"rms_percent", &SweepRow::rms_percent},
+    {"max_percent", &SweepRow::max_percent},
+    {"loop_height_percent", &SweepRow::loop_height_percent},
+    {"gain_db", &SweepRow::gain_db},
+    {column::phase_deg, &SweepRow::phase_deg},
+    {"distortion_percent", &SweepRow::distortion_percent},
+    {"error_estimate", &SweepRow::error_estimate}};
+
+}  // namespace
+
 std::string sweep_csv(const std::vector<SweepRow>& rows, const std::string& key) {
   CsvWriter csv;
-  const auto add = [&](std::string_view name, auto&& value) {
+  std::vector<double> frequencies;
+  for (const SweepRow& r : rows) frequencies.push_back(r.frequency.value);
+  csv.add(column::frequency_hz, std::move(frequencies));
+  for (const auto& [name, value] : kSweepColumns) {
     std::vector<double> column;
-    for (const SweepRow& r : rows) column.push_back(value(r));
+    for (const SweepRow& r : rows) column.push_back(r.*value);
     csv.add(name, std::move(column));
-  };
-  add(column::frequency_hz, [](const SweepRow& r) { return r.frequency.value; });
-  add("amplitude", [](const SweepRow& r) { return r.amplitude; });
-  add("rms_percent", [](const SweepRow& r) { return r.rms_percent; });
-  add("max_percent", [](const SweepRow& r) { return r.max_percent; });
-  add("loop_height_percent", [](const SweepRow& r) { return r.loop_height_percent; });
-  add("gain_db", [](const SweepRow& r) { return r.gain_db; });
-  add(column::phase_deg, [](const SweepRow& r) { return r.phase_deg; });
-  add("distortion_percent", [](const SweepRow& r) { return r.distortion_percent; });
-  add("error_estimate", [](const SweepRow& r) { return r.error_estimate; });
+  }
   return "# sweep of " + key + "\n" + csv.text();
 }
 
@@ -180,14 +178,7 @@ std::vector<SweepRow> read_sweep_csv(const std::filesystem::path& path, const st
   std::vector<SweepRow> rows(csv.rows());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].frequency = Hertz{csv.column(column::frequency_hz)[i]};
-    rows[i].amplitude = csv.column("amplitude")[i];
-    rows[i].rms_percent = csv.column("rms_percent")[i];
-    rows[i].max_percent = csv.column("max_percent")[i];
-    rows[i].loop_height_percent = csv.column("loop_height_percent")[i];
-    rows[i].gain_db = csv.column("gain_db")[i];
-    rows[i].phase_deg = csv.column(column::phase_deg)[i];
-    rows[i].distortion_percent = csv.column("distortion_percent")[i];
-    rows[i].error_estimate = csv.column("error_estimate")[i];
+    for (const auto& [name, value] : kSweepColumns) rows[i].*value = csv.column(name)[i];
   }
   return rows;
 }

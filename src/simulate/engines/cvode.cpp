@@ -23,23 +23,14 @@ namespace {
 
 // Blocks that cannot stand in an ODE, from one dense signal to the next.
 
+/// A time that is a sample of the record but for rounding is that exactly.
+double snapped(double t, const TimeRecord& record) {
+  const double at = (t - record.start_s) / record.step_s;
+  const double whole = std::round(at);
+  return whole >= 0.0 && std::abs(at - whole) < 1e-9 ? record.time_s(static_cast<std::size_t>(whole)) : t;
+}
+
 /// y(t) = u(t - delay); what was before the signal's begin comes first.
-DenseSignal delayed(const DenseSignal& in, double delay_s);
-
-/// Times that are samples of the record but for rounding become them exactly.
-class SampleGrid {
- public:
-  explicit SampleGrid(const TimeRecord& record) : record_(record) {}
-  double snapped(double t) const {
-    const double at = (t - record_.start_s) / record_.step_s;
-    const double whole = std::round(at);
-    return whole >= 0.0 && std::abs(at - whole) < 1e-9 ? record_.time_s(static_cast<std::size_t>(whole)) : t;
-  }
-
- private:
-  const TimeRecord& record_;
-};
-
 DenseSignal delayed(const DenseSignal& in, double delay) {
   DenseSignal out;
   out.before = in.before;
@@ -88,7 +79,6 @@ DenseSignal stepped(chain::MemoryKernel& memory, const DenseSignal& in, double m
 /// A clocked block, edge by edge. Edges that are samples of the record but for rounding are those exactly.
 DenseSignal clocked(chain::SampledKernel& kernel, const DenseSignal& in, bool equilibrium,
                     const TimeRecord& record) {
-  const SampleGrid grid(record);
   DenseSignal out;
   DenseSignal::Reader reader(in);
   const double begin = in.begin();
@@ -110,11 +100,11 @@ DenseSignal clocked(chain::SampledKernel& kernel, const DenseSignal& in, bool eq
     from = t;
   };
   for (std::size_t k = 0;; ++k) {
-    const double edge = grid.snapped(begin + static_cast<double>(k) * cycle);
+    const double edge = snapped(begin + static_cast<double>(k) * cycle, record);
     if (edge > end) break;
     // What stands at an edge is what was there just before it, except at the very start.
     const double sample = reader.value(edge, k > 0);
-    hold_until(grid.snapped(edge + kernel.delay_s()));
+    hold_until(snapped(edge + kernel.delay_s(), record));
     held = kernel.update(sample);
   }
   hold_until(end);
@@ -137,9 +127,6 @@ class ChainRun {
   std::size_t solve_from(std::size_t first);
   /// A block that stands between ODEs.
   void pass(std::size_t block);
-  void operator_between(const LinearKernel& linear, std::size_t block);
-  void operator_between(MemoryKernel& memory, std::size_t block);
-  void operator_between(SampledKernel& sampled, std::size_t block);
 
   const chain::Chain& chain_;
   const Options& options_;
@@ -197,35 +184,23 @@ std::size_t ChainRun::solve_from(std::size_t first) {
   return behind;
 }
 
-void ChainRun::operator_between(const LinearKernel& linear, std::size_t /*block*/) {
-  signal_ = delayed(signal_, linear.delay_s);
-}
-
-void ChainRun::operator_between(MemoryKernel& memory, std::size_t block) {
-  if (equilibrium_) rest_ = memory.reset(rest_, true);
-  signal_ = stepped(memory, signal_, record_.step_s / 8.0, equilibrium_);
-  signal_.before = equilibrium_ ? rest_ : 0.0;
-  result_.notes.push_back(
-      fmt::format("block {} ({}) depends on the rate of its input and is stepped eight times a sample",
-                  block + 1, chain_.blocks[block].type_name()));
-}
-
-void ChainRun::operator_between(SampledKernel& sampled, std::size_t /*block*/) {
-  if (equilibrium_) rest_ = sampled.reset(rest_, true);
-  signal_ = clocked(sampled, signal_, equilibrium_, record_);
-  signal_.before = equilibrium_ ? rest_ : 0.0;
-}
-
 void ChainRun::pass(std::size_t block) {
   at_samples_ = false;
   Kernel& kernel = kernels_[block];
   if (const auto* linear = std::get_if<LinearKernel>(&kernel)) {
-    operator_between(*linear, block);
-  } else if (const auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernel)) {
-    operator_between(**memory, block);
+    signal_ = delayed(signal_, linear->delay_s);
+  } else if (auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernel)) {
+    if (equilibrium_) rest_ = (*memory)->reset(rest_, true);
+    signal_ = stepped(**memory, signal_, record_.step_s / 8.0, equilibrium_);
+    result_.notes.push_back(
+        fmt::format("block {} ({}) depends on the rate of its input and is stepped eight times a sample",
+                    block + 1, chain_.blocks[block].type_name()));
   } else {
-    operator_between(*std::get<std::unique_ptr<SampledKernel>>(kernel), block);
+    SampledKernel& sampled = *std::get<std::unique_ptr<SampledKernel>>(kernel);
+    if (equilibrium_) rest_ = sampled.reset(rest_, true);
+    signal_ = clocked(sampled, signal_, equilibrium_, record_);
   }
+  signal_.before = equilibrium_ ? rest_ : 0.0;
 }
 
 Result ChainRun::run() {

@@ -72,8 +72,6 @@ class Cam {
   // In a plan.
   /// What is not publicly known and is assumed when a plan uses it; empty: nothing.
   virtual std::string assumption() const { return {}; }
-  /// What a person should know of this CAM in a plan; empty: nothing.
-  virtual std::string note(const PlacedCam&) const { return {}; }
 
   /// Makes `out` (whose clock is there) this CAM with the stage's capacitors; false where it makes other stages.
   virtual bool place(const FilterStage&, PlacedCam&) const { return false; }

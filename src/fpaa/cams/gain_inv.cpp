@@ -17,10 +17,6 @@ class GainInv : public Cam {
   GainInv()
       : Cam(CamFacts{.name = "GainInv", .parameters = {{"gain", "Gain"}}, .resources = kGainInvResources}) {}
 
-  std::string note(const PlacedCam&) const override {
-    return "GainInv is there to keep the total sign (every FilterBilinear inverts) or to carry gain.";
-  }
-
   ZTransfer transfer(const PlacedCam&, const CapacitorUnits& c) const override {
     return {{{-c["Cin"]}}, {c["Cout"]}};
   }

@@ -104,8 +104,7 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
 CapacitorEffects capacitor_effects(const DesignResponse& response, bool only_free) {
   const std::vector<DesignStage>& stages = response.design().stages;
   const std::size_t points = response.table().points();
-  const std::size_t pairs = response.table().pairs();
-  const std::vector<Parts<ComplexPair>> ways = response.ways();
+  const std::vector<Parts> ways = response.ways();
   std::size_t count = 0;
   for (const DesignStage& stage : stages) count += stage.c.size();
   CapacitorEffects out;
@@ -114,7 +113,7 @@ CapacitorEffects capacitor_effects(const DesignResponse& response, bool only_fre
   for (std::size_t s = 0; s < stages.size(); ++s) {
     const DesignStage& stage = stages[s];
     if (only_free && stage.whole) continue;
-    StagePlace(response, &ways[s * pairs], s).slopes(stage, room);
+    StagePlace(response, ways, s).slopes(stage, room);
     for (std::size_t c = 0; c < stage.c.size(); ++c, room += points) {
       if (stage.c[c] > 0.0 && (!only_free || stage.is_free(c))) out.list.push_back({s, c, {room, points}});
     }

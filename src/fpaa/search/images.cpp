@@ -30,23 +30,23 @@ Complex line_of(const DesignResponse& response, std::size_t at, double w, double
   std::vector<PhaseMeans> means(design.stages.size());
   for (std::size_t s = 0; s < means.size(); ++s) {
     const DesignStage& stage = design.stages[s];
-    const ClockFactors<ComplexPair>& clock = response.table().clock(stage.divisor)[at / 2];
+    const ClockFactors& clock = response.table().clock(stage.divisor)[at / 2];
     const double period = period_of(stage);
     const double half = 0.5 * period;
     const double line = w + away;
     const Complex hold1 = turning(-line, 0.0, half, period);
     const Complex hold2 = turning(-line, half, half, period);
     // The value at a phase's end, held through the phase.
-    const auto held1 = [&](const Parts<ComplexPair>& v) {
+    const auto held1 = [&](const Parts& v) {
       return product(product(v.end1.at(at % 2), std::conj(clock.half.at(at % 2))), hold1);
     };
-    const auto held2 = [&](const Parts<ComplexPair>& v) {
+    const auto held2 = [&](const Parts& v) {
       return product(product(v.end2.at(at % 2), std::conj(clock.period.at(at % 2))), hold2);
     };
     means[s] = {held1(response.signal(s, at / 2)), held2(response.signal(s, at / 2))};
     for (std::size_t i = 0; i < stage.from.size(); ++i) {
-      const StageFactors<ComplexPair>& f = response.factors(s, i, at / 2);
-      const Parts<ComplexPair> x = response.input_of(s, i, at / 2);
+      const StageFactors& f = response.factors(s, i, at / 2);
+      const Parts x = response.input_of(s, i, at / 2);
       PhaseMeans in;
       if (stage.from[i] == DesignStage::kBoardInput) {
         in = {turning(-away, 0.0, half, period), turning(-away, half, half, period)};

@@ -327,7 +327,6 @@ void state_figures(Plan& plan, const Sections& sections, Band band, const BoardA
     squares += std::pow(sine.rms / error_reference(sections, sine.signal.rad_s()), 2);
   plan.total->image_percent = 100.0 * std::sqrt(squares / static_cast<double>(images.sines.size()));
   plan.assumptions = assumptions_of(plan);
-  for (const PlacedCam* cam : plan.cams()) add_new(plan.notes, cam->cam->note(*cam));
 }
 
 Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {

@@ -25,7 +25,7 @@ double band_noise(const DesignResponse& response) {
   const DesignTarget& target = response.table().target();
   const Design& design = response.design();
   const std::size_t pairs = response.table().pairs();
-  const std::vector<Parts<ComplexPair>> ways = response.ways();
+  const std::vector<Parts> ways = response.ways();
   std::vector<Pair> sums(pairs, Pair{0.0, 0.0});  // per Hz
   for (std::size_t s = 0; s < design.stages.size(); ++s) {
     const DesignStage& stage = design.stages[s];
@@ -34,8 +34,8 @@ double band_noise(const DesignResponse& response) {
     for (int opamp = 1; opamp <= stage.opamps(); ++opamp) {
       const double charge = 2.0 * stage.switched_units(opamp) * 2.0 / hz;
       for (std::size_t k = 0; k < pairs; ++k) {
-        const Parts<ComplexPair> y = charge_response(stage, opamp, clock[k]);
-        const Parts<ComplexPair>& way = ways[s * pairs + k];
+        const Parts y = charge_response(stage, opamp, clock[k]);
+        const Parts& way = ways[s * pairs + k];
         sums[k] += charge * norm(product(y.end1, way.end1) + product(y.end2, way.end2) +
                                  product(y.mean1, way.mean1) + product(y.mean2, way.mean2));
       }
@@ -103,14 +103,14 @@ void raise_peaks(const DesignResponse& response, std::vector<NodePeak>& out) {
   for (std::size_t k = 0; k < response.table().pairs(); ++k) {
     for (std::size_t s = 0; s < out.size(); ++s) {
       const DesignStage& stage = design.stages[s];
-      const ClockFactors<ComplexPair>& clock = response.table().clock(stage.divisor)[k];
+      const ClockFactors& clock = response.table().clock(stage.divisor)[k];
       const ComplexPair later = conj(clock.half);
-      const Parts<ComplexPair>& y = response.signal(s, k);
+      const Parts& y = response.signal(s, k);
       PhaseStarts& own = starts[s];
       own = {product(y.end1, later), product(y.end2, later)};
       for (std::size_t i = 0; i < stage.from.size(); ++i) {
-        const StageFactors<ComplexPair>& f = response.factors(s, i, k);
-        const Parts<ComplexPair> x = response.input_of(s, i, k);
+        const StageFactors& f = response.factors(s, i, k);
+        const Parts x = response.input_of(s, i, k);
         PhaseStarts in;
         if (stage.from[i] != DesignStage::kBoardInput) {
           const auto source = static_cast<std::size_t>(stage.from[i]);

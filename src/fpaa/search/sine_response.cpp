@@ -7,9 +7,9 @@ namespace bodesmith::fpaa {
 namespace {
 
 using Stage = DesignStage;
-using Clock = ClockFactors<ComplexPair>;
-using Factors = StageFactors<ComplexPair>;
-using Signal = Parts<ComplexPair>;
+using Clock = ClockFactors;
+using Factors = StageFactors;
+using Signal = Parts;
 
 /// Charge conservation in a second-order stage, its capacitors by what they do. With h = exp(-jwT/2), (x1, x2) the input, (a1, a2) the
 /// first op-amp and (y1, y2) the second at the ends of the phases:
@@ -117,16 +117,22 @@ ComplexPair way_of_end1(const Signal& way, const Clock& k) {
   return way.end1 + product(k.half, way_of_end2(way, k)) + product(k.hold, way.mean1);
 }
 
-ClockFactors<Complex> factors_at(double turn) {  // wT
-  ClockFactors<Complex> f;
-  f.half = std::polar(1.0, -0.5 * turn);
-  f.period = std::polar(1.0, -turn);
-  f.d = 2.0 * std::abs(std::sin(0.5 * turn)) *
-        std::polar(1.0, std::copysign(0.5 * std::numbers::pi, std::sin(0.5 * turn)) - 0.5 * turn);
-  f.sum = product(f.period, Complex(f.d.real(), -f.d.imag()) * (1.0 / std::norm(f.d)));
+/// At two points, by what the period turns there, wT.
+Clock factors_at(double first, double second) {
+  const auto at = [&](auto factor) { return ComplexPair(factor(first), factor(second)); };
+  Clock f;
+  f.half = at([](double turn) { return std::polar(1.0, -0.5 * turn); });
+  f.period = at([](double turn) { return std::polar(1.0, -turn); });
+  f.d = at([](double turn) {
+    return 2.0 * std::abs(std::sin(0.5 * turn)) *
+           std::polar(1.0, std::copysign(0.5 * std::numbers::pi, std::sin(0.5 * turn)) - 0.5 * turn);
+  });
+  f.sum = quotient(f.period, f.d);
   // (1/T) int_0^{T/2} exp(jw tau) dtau = sin(wT/4)/(wT/4) exp(jwT/4)/2
-  const double quarter = 0.25 * turn;
-  f.hold = 0.5 * (quarter < 1e-9 ? 1.0 : std::sin(quarter) / quarter) * std::polar(1.0, quarter);
+  f.hold = at([](double turn) {
+    const double quarter = 0.25 * turn;
+    return 0.5 * (quarter < 1e-9 ? 1.0 : std::sin(quarter) / quarter) * std::polar(1.0, quarter);
+  });
   return f;
 }
 
@@ -140,11 +146,10 @@ const std::vector<Clock>& StageFactorTable::clock(std::int64_t divisor) const {
   std::vector<Clock>& out = kept_.back().values;
   out.reserve(pairs());
   const double per_hz = static_cast<double>(divisor);
-  for (std::size_t k = 0; k < points(); k += 2) {
-    const auto a = factors_at(target_.grid[k].value * per_hz / target_.master_hz);
-    const auto b = k + 1 < points() ? factors_at(target_.grid[k + 1].value * per_hz / target_.master_hz) : a;
-    out.push_back({{a.half, b.half}, {a.period, b.period}, {a.d, b.d}, {a.sum, b.sum}, {a.hold, b.hold}});
-  }
+  const auto turn = [&](std::size_t k) {
+    return target_.grid[std::min(k, points() - 1)].value * per_hz / target_.master_hz;
+  };
+  for (std::size_t k = 0; k < points(); k += 2) out.push_back(factors_at(turn(k), turn(k + 1)));
   return out;
 }
 
@@ -245,7 +250,7 @@ std::vector<Signal> DesignResponse::ways() const {
   return out;
 }
 
-StagePlace::StagePlace(const DesignResponse& response, const Signal* ways, std::size_t s)
+StagePlace::StagePlace(const DesignResponse& response, const std::vector<Signal>& ways, std::size_t s)
     : clock_(response.table().clock(response.design().stages[s].divisor)),
       points_(response.table().points()) {
   const Stage& stage = response.design().stages[s];
@@ -260,12 +265,13 @@ StagePlace::StagePlace(const DesignResponse& response, const Signal* ways, std::
       const auto scaled = [&](const ComplexPair& of) { return ComplexPair{scale * of.re, scale * of.im}; };
       const Signal x = response.input_of(s, i, k);
       const Clock& clock = clock_[k];
-      const ComplexPair end2 = way_of_end2(ways[k], clock);
-      const ComplexPair end1 = way_of_end1(ways[k], clock);
+      const Signal& way = ways[s * clock_.size() + k];
+      const ComplexPair end2 = way_of_end2(way, clock);
+      const ComplexPair end1 = way_of_end1(way, clock);
       weights_.push_back({scaled(product(end1, x.end1)), scaled(product(end1, x.end2)),
-                          scaled(product(ways[k].mean1, product(x.end1, clock.hold) - x.mean1)),
+                          scaled(product(way.mean1, product(x.end1, clock.hold) - x.mean1)),
                           scaled(product(end2, product(clock.half, x.end1) - x.end2) +
-                                 product(ways[k].mean2, product(x.end2, clock.hold) - x.mean2))});
+                                 product(way.mean2, product(x.end2, clock.hold) - x.mean2))});
     }
   }
 }
@@ -351,11 +357,6 @@ void StagePlace::share_of(const Stage& stage, std::vector<Complex>& out) const {
       if (2 * k + 1 < points_) out[2 * k + 1] += sum.at(1);
     }
   }
-}
-
-StageTrial::StageTrial(const DesignResponse& response, std::size_t s)
-    : StagePlace(response, &response.ways()[s * response.table().pairs()], s), errors_(response.errors()) {
-  share_of(response.design().stages[s], share_);
 }
 
 double largest_error(const std::vector<Complex>& errors) {

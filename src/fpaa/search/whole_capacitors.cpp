@@ -33,11 +33,9 @@ struct WholeStage {
   double cost_but_gain = 0.0;
 };
 
-/// What whole capacitors of one stage cost (they themselves are left out); `got` is room for their share.
-WholeStage cost_of(const StageTrial& place, const Stage& rounded, std::vector<Complex>& got) {
-  place.share_of(rounded, got);
-  const std::vector<Complex>& exact = place.share();
-  const std::vector<Complex>& errors = place.errors();
+/// What it costs that a stage adds `got` to the weighted output where the exact one, with these errors, adds `exact`.
+WholeStage cost_of(const std::vector<Complex>& errors, const std::vector<Complex>& exact,
+                   const std::vector<Complex>& got) {
   WholeStage out{{}, 0.0, 0.0};
   double over = 0.0;
   double under = 0.0;
@@ -75,8 +73,8 @@ class InnerHeadroom {
   }
 
  private:
-  const std::vector<ClockFactors<ComplexPair>>& clock_;
-  std::vector<Parts<ComplexPair>> in_;
+  const std::vector<ClockFactors>& clock_;
+  std::vector<Parts> in_;
   double most_ = 1.0;
 };
 
@@ -212,7 +210,8 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   Stage stage = design.stages[s];
   const std::vector<double> exact = stage.c;
   const DesignResponse response(design, table);
-  const StageTrial place(response, s);
+  const StagePlace place(response, response.ways(), s);
+  const std::vector<Complex> errors = response.errors();
   const int max = table.target().max_capacitor;
   const bool second_order = stage.kind != Stage::Kind::first;
   const auto largest_scale = [&](const std::vector<std::size_t>& group, double node_scale) {
@@ -227,9 +226,11 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   std::vector<WholeStage> as_is, but_gain;
   const InnerHeadroom headroom(response, s);
   const StageSpread spread(place, stage, table.target().weight, width.mismatch);
-  std::vector<Complex> room;
+  std::vector<Complex> share, rounded;
+  place.share_of(stage, share);
   const auto judge = [&] {
-    WholeStage whole = cost_of(place, stage, room);
+    place.share_of(stage, rounded);
+    WholeStage whole = cost_of(errors, share, rounded);
     const double random = spread.of(stage.c);
     whole.cost = snapped(std::pow(std::sqrt(whole.cost) + random, 2));
     whole.cost_but_gain = snapped(std::pow(std::sqrt(whole.cost_but_gain) + random, 2));

@@ -66,11 +66,9 @@ class LineUse {
       for (const int cab : pin.cabs) {
         if (column_of(cab) == column) cabs.push_back(cab);
       }
-      // Loops to output pins go over the odd column unless the even one is used anyway.
-      const bool loops = !pin.loops.empty() && column == loop_column(pin, cell);
-      if (cabs.empty() && !loops) continue;
+      if (cabs.empty()) continue;
       const int next_to = cab_next_to(cell, column);
-      if (!loops && std::ranges::all_of(cabs, [&](int cab) { return cab == next_to; })) {
+      if (std::ranges::all_of(cabs, [&](int cab) { return cab == next_to; })) {
         int& used = direct_lines_[static_cast<std::size_t>(next_to - 1)];
         if (used == kLines) return false;
         ++used;
@@ -86,25 +84,11 @@ class LineUse {
         if (local == 0) return false;
         out_.selectors[{pin.name, cab}] = local_input_selector(local);
       }
-      if (!loops) continue;
-      for (const std::string& to : pin.loops) {
-        out_.nibbles.push_back({cells.at(to), column, kNibbleColumnLine + line - 1});
-      }
     }
     return true;
   }
 
-  static Column loop_column(const PinNeed& pin, int cell) {
-    for (const Column column : kBothColumns) {
-      for (const int cab : pin.cabs) {
-        if (column_of(cab) == column && cab != cab_next_to(cell, column)) return column;
-      }
-    }
-    return pin.cabs.empty() || column_of(pin.cabs.front()) == Column::even ? Column::odd : Column::even;
-  }
-
   bool output(const PinNeed& pin, const std::map<std::string, int>& cells) {
-    if (pin.cab == 0) return true;  // its input pin has done it
     const int cell = cells.at(pin.name);
     const Column column = column_of(pin.cab);
     if (cab_next_to(cell, column) == pin.cab) {

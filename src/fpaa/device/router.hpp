@@ -14,9 +14,8 @@ namespace bodesmith::fpaa::an231 {
 struct PinNeed {
   std::string name;
   bool is_input = true;
-  std::vector<int> cabs;           ///< CABs that read an input
-  std::vector<std::string> loops;  ///< output pins that an input pin feeds directly
-  int cab = 0;                     ///< of the op-amp that drives an output; 0: an input pin does
+  std::vector<int> cabs;  ///< CABs that read an input
+  int cab = 0;            ///< of the op-amp that drives an output
   int opamp = 0;
   bool sampled = false;  ///< needs a sampling output cell: IO1 to IO4
   std::optional<int> wanted_cell;

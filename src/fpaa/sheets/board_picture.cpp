@@ -103,12 +103,6 @@ std::string fitted(const std::string& text, double width, double pixels) {
   return fmt::format(" textLength=\"{:.0f}\" lengthAdjust=\"spacingAndGlyphs\"", width);
 }
 
-std::string clock_text(double hertz) {
-  if (hertz >= 1e6) return rounded_text(hertz / 1e6, 5) + " MHz";
-  if (hertz >= 1e3) return rounded_text(hertz / 1e3, 5) + " kHz";
-  return rounded_text(hertz, 5) + " Hz";
-}
-
 Json pips(double x, double y, int used, int all, const char* kind) {
   Json out = Json::array();
   for (int i = 0; i < all; ++i) {
@@ -175,11 +169,11 @@ class BoardPicture {
   }
 
   std::string clocks_text(const ChipPlan& chip) const {
-    std::string out =
-        fmt::format("ACLK {} · Sys1 /{}", clock_text(chip.master_clock.value), chip.clocks.sys1_divisor);
+    std::string out = fmt::format("ACLK {} · Sys1 /{}", engineering_text(chip.master_clock.value, "Hz", 5),
+                                  chip.clocks.sys1_divisor);
     for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
       out += fmt::format(" · Clock {} /{} = {}", k, chip.clocks.clocks[k].divisor,
-                         clock_text(chip.clocks.frequency(board_, k).value));
+                         engineering_text(chip.clocks.frequency(board_, k).value, "Hz", 5));
     }
     return out;
   }

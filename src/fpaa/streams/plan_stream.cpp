@@ -277,16 +277,14 @@ class ChipWriter {
             std::ranges::find(need.cabs, stage.cam->cab) == need.cabs.end())
           need.cabs.push_back(stage.cam->cab);
       }
-      for (const Output& pin : outputs_) {
-        if (pin.source == name) need.loops.push_back(pin.name);
-      }
     }
     for (const Output& pin : outputs_) {
       PinNeed& need = pins.emplace_back();
       need.name = pin.name;
       need.is_input = false;
       const ChipStage* stage = stage_at(pin.source);
-      if (stage == nullptr) continue;
+      if (stage == nullptr)
+        refuse("{} is wired to pin {}, expected a CAM that drives it", pin.name, pin.source);
       need.cab = stage->cam->cab;
       need.opamp = stage->output_opamp();
       need.sampled = stage->switches.output_phase != 0;
@@ -347,7 +345,7 @@ class ChipWriter {
     for (const Output& pin : outputs_) {
       const int cell = routed_.cells.at(pin.name);
       const ChipStage* stage = stage_at(pin.source);
-      const int valid = stage == nullptr ? 0 : stage->switches.output_phase;
+      const int valid = stage->switches.output_phase;
       if (valid == 0) {
         set({kIoBank, cell_bytes(cell).mode}, cell > 4 ? kModeBypass : kModeOutput);
         continue;

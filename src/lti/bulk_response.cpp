@@ -1,6 +1,7 @@
 #include "lti/bulk_response.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -134,14 +135,16 @@ void BulkResponse::responses(std::span<const RadPerSecond> w, std::span<Complex>
 void for_pieces(const Sections& sections, const std::vector<Hertz>& grid, const PieceOfResponse& use) {
   const std::size_t n = grid.size();
   const BulkResponse bulk(sections);
-  constexpr std::size_t kPiece =
-      4096;  // 64 kB of responses: they stay in the second cache until they are used
-  const int threads = n >= 8 * kPiece ? thread_count(0) : 1;
+  // On the stack of whoever works on it, in the first cache: memory that is asked for is new to every thread, page by page.
+  constexpr std::size_t kPiece = 1024;
+  const int threads = n >= 32 * kPiece ? thread_count(0) : 1;
   parallel_for((n + kPiece - 1) / kPiece, threads, [&](std::size_t piece) {
     const std::size_t begin = piece * kPiece;
     const std::size_t count = std::min(n - begin, kPiece);
-    std::vector<RadPerSecond> w(count);
-    std::vector<Complex> h(count);
+    std::array<RadPerSecond, kPiece> lanes;
+    std::array<Complex, kPiece> values;
+    const std::span<RadPerSecond> w = std::span(lanes).first(count);
+    const std::span<Complex> h = std::span(values).first(count);
     for (std::size_t i = 0; i < count; ++i) w[i] = grid[begin + i].rad_s();
     bulk.responses(w, h);
     for (std::size_t i = 0; i < count; ++i) {
@@ -198,12 +201,14 @@ LevelAndPhase of_length(std::size_t n) {
   return out;
 }
 
+/// Each step is told from the angles as they come: a step behind the turns so far would have to wait for the one before it.
 void follow_turns(std::vector<double>& phase_deg) {
-  double turns = 0.0;
-  for (std::size_t i = 1; i < phase_deg.size(); ++i) {
-    const double step = phase_deg[i] + turns - phase_deg[i - 1];
+  double turns = 0.0, last = phase_deg.empty() ? 0.0 : phase_deg[0];
+  for (double& phase : phase_deg) {
+    const double step = phase - last;
     if (std::abs(step) > 180.0) turns -= 360.0 * std::round(step / 360.0);
-    phase_deg[i] += turns;
+    last = phase;
+    phase += turns;
   }
 }
 

@@ -138,65 +138,67 @@ double PolynomialDisturbance::input(const Turn& from, const Turn* toward, int di
   return root_between([&](double x) { return branch.value(x) - y; }, std::min(now, end), std::max(now, end));
 }
 
-double PolynomialDisturbance::plain(bool rising, double x) const {
-  const BranchShape& shape = rising ? ascending : descending;
-  return x + plain_gain(rising) * shape.value(x / amplitude) +
-         (rising ? constant_ascending : constant_descending);
+PolynomialDisturbance::PlainBranch PolynomialDisturbance::plain_branch(bool rising) const {
+  return {rising ? ascending : descending,
+          strokes.at(branch_of(rising), amplitude) * (rising ? rate_gain_ascending : rate_gain_descending),
+          amplitude, rising ? constant_ascending : constant_descending};
 }
 
-double PolynomialDisturbance::plain_gain(bool rising) const {
-  return strokes.at(branch_of(rising), amplitude) * (rising ? rate_gain_ascending : rate_gain_descending);
+double PolynomialDisturbance::PlainBranch::value(double x) const {
+  return x + gain * shape.value(x / amplitude) + constant;
 }
 
-std::array<double, 2> PolynomialDisturbance::rising_part(bool rising) const {
-  const auto& a = (rising ? ascending : descending).polynomial;
-  const double steepness = plain_gain(rising) / amplitude;
+std::array<double, 2> PolynomialDisturbance::PlainBranch::rising_part() const {
+  const auto& a = shape.polynomial;
+  const double steepness = gain / amplitude;
   std::array<double, 2> out{-INFINITY, INFINITY};
+  const auto falls_from = [&](double s) {
+    if (s < 0.5) out[0] = std::max(out[0], s * amplitude);
+    if (s >= 0.5) out[1] = std::min(out[1], s * amplitude);
+  };
   // A sine that rises with the chord on [0, 1] does so everywhere. A cubic: where 1 + k (a1 + 2 a2 s + 3 a3 s²) > 0.
   const double square = 3.0 * steepness * a[2];
   const double line = 2.0 * steepness * a[1];
-  const double constant = 1.0 + steepness * a[0];
-  const double discriminant = line * line - 4.0 * square * constant;
-  std::vector<double> flat;
+  const double constant_part = 1.0 + steepness * a[0];
+  const double discriminant = line * line - 4.0 * square * constant_part;
   if (square != 0.0 && discriminant > 0.0) {
     // Neither root by a difference of two nearly equal numbers.
     const double q = -0.5 * (line + std::copysign(std::sqrt(discriminant), line));
-    flat = {q / square};
-    if (q != 0.0) flat.push_back(constant / q);
+    falls_from(q / square);
+    if (q != 0.0) falls_from(constant_part / q);
   } else if (square == 0.0 && line != 0.0) {
-    flat = {-constant / line};
-  }
-  for (const double s : flat) {
-    if (s < 0.5) out[0] = std::max(out[0], s * amplitude);
-    if (s >= 0.5) out[1] = std::min(out[1], s * amplitude);
+    falls_from(-constant_part / line);
   }
   return out;
 }
 
-std::optional<double> PolynomialDisturbance::newton(bool rising, double y) const {
-  const BranchShape& shape = rising ? ascending : descending;
-  const double steepness = plain_gain(rising) / amplitude;
+std::optional<double> PolynomialDisturbance::PlainBranch::newton(double y) const {
   double x = y;
   for (int i = 0; i < kNewtonSteps; ++i) {
-    const double slope = 1.0 + steepness * shape.slope(x / amplitude);
+    const double slope = 1.0 + gain / amplitude * shape.slope(x / amplitude);
     if (!(slope > kLeastSlope)) break;
-    const double step = (y - plain(rising, x)) / slope;
+    const double step = (y - value(x)) / slope;
     x += step;
     if (std::abs(step) <= kRounding * std::max(std::abs(x), amplitude)) return x;
   }
   return std::nullopt;
 }
 
+double PolynomialDisturbance::plain(bool rising, double x) const {
+  return plain_branch(rising).value(x);
+}
+
 double PolynomialDisturbance::input_on(bool rising, double y) const {
-  const auto [least, most] = rising_part(rising);
-  if (const auto near = newton(rising, y); near && *near > least && *near < most) return *near;
+  const PlainBranch branch = plain_branch(rising);
+  const auto [least, most] = branch.rising_part();
+  if (const auto near = branch.newton(y); near && *near > least && *near < most) return *near;
   double low = 0.0;
   double high = amplitude;
-  for (double reach = amplitude; low > least && plain(rising, low) > y; reach *= 2.0)
+  for (double reach = amplitude; low > least && branch.value(low) > y; reach *= 2.0)
     low = std::max(low - reach, least);
-  for (double reach = amplitude; high < most && plain(rising, high) < y; reach *= 2.0)
+  for (double reach = amplitude; high < most && branch.value(high) < y; reach *= 2.0)
     high = std::min(high + reach, most);
-  return root_between([&](double x) { return plain(rising, x) - y; }, low, high);
+  return root_between([&](double x) { return branch.value(x) - y; }, low, high);
 }
 
 PolynomialOperator::PolynomialOperator(PolynomialDisturbance model) : loops_(std::move(model), 4096) {

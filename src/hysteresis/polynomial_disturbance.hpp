@@ -80,12 +80,17 @@ struct PolynomialDisturbance {
   double input_on(bool rising, double y) const;
 
  private:
-  /// What d of a branch is multiplied by under the slope_sign rule.
-  double plain_gain(bool rising) const;
-  /// The same as input_on() by Newton's steps from y on; nothing where they do not settle at once.
-  std::optional<double> newton(bool rising, double y) const;
-  /// The inputs about the stroke over which plain() rises.
-  std::array<double, 2> rising_part(bool rising) const;
+  /// One branch of the slope_sign rule, y = x + gain d(x/amplitude) + constant.
+  struct PlainBranch {
+    const BranchShape& shape;
+    double gain, amplitude, constant;
+    double value(double x) const;
+    /// The input of y by Newton's steps from y on; nothing where they do not settle at once.
+    std::optional<double> newton(double y) const;
+    /// The inputs about the stroke over which value() rises.
+    std::array<double, 2> rising_part() const;
+  };
+  PlainBranch plain_branch(bool rising) const;
 };
 
 class PolynomialOperator final : public Operator {

@@ -42,39 +42,25 @@ void write_with_clock(const fs::path& folder, const std::string& fpaa_percent,
   write_file(folder / "seed.toml", text);
 }
 
-/// Runs it once for all tests of this suite.
-class NanopositionerRun : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    folder_ = new TemporaryFolder;
-    write_with_clock(*folder_ / "p", "1.2");
-    result_ = new ProgramResult(run_bodesmith("run " + project() + " -o " + out("").string()));
-  }
-  static std::string project() { return (*folder_ / "p/seed.toml").string(); }
-  static void TearDownTestSuite() {
-    delete result_;
-    delete folder_;
-  }
-  static fs::path out(const std::string& name) { return *folder_ / "out" / name; }
-  static Node json(const std::string& name) { return parse_json(read_file(out(name)), name); }
-  static TemporaryFolder* folder_;
-  static ProgramResult* result_;
-};
-TemporaryFolder* NanopositionerRun::folder_ = nullptr;
-ProgramResult* NanopositionerRun::result_ = nullptr;
+fs::path written(const std::string& name) {
+  return main_example().folder / name;
+}
+Node written_json(const std::string& name) {
+  return parse_json(read_file(written(name)), name);
+}
 
-TEST_F(NanopositionerRun, EndsWellAndWritesEveryArtefact) {
-  ASSERT_EQ(result_->status, 0) << result_->err;
+TEST(MainExample, EndsWellAndWritesEveryArtefact) {
+  ASSERT_EQ(main_example().result.status, 0) << main_example().result.err;
   for (const char* name : {"cascade.json", "sections.json", "fpaa/plan.json", "spice/compensator.sub",
                            "spice/parts.csv", "layout/layout.json", "layout/disturbance.sub", "run.json",
                            "report.html", "bode.csv", "tracking.csv"}) {
-    EXPECT_TRUE(fs::is_regular_file(out(name))) << name;
+    EXPECT_TRUE(fs::is_regular_file(written(name))) << name;
   }
-  EXPECT_THAT(result_->out, HasSubstr("report.html"));
+  EXPECT_THAT(main_example().result.out, HasSubstr("report.html"));
 }
 
-TEST_F(NanopositionerRun, EveryJsonHasSchemaVersionAndInputs) {
-  for (const auto& entry : fs::recursive_directory_iterator(out(""))) {
+TEST(MainExample, EveryJsonHasSchemaVersionAndInputs) {
+  for (const auto& entry : fs::recursive_directory_iterator(main_example().folder)) {
     if (entry.path().extension() != ".json") continue;
     const Node node = parse_json(read_file(entry.path()), entry.path().string());
     EXPECT_THAT(node.at("schema").string(), ::testing::StartsWith("bodesmith.")) << entry.path();
@@ -84,9 +70,9 @@ TEST_F(NanopositionerRun, EveryJsonHasSchemaVersionAndInputs) {
   }
 }
 
-TEST_F(NanopositionerRun, InterpolatesEveryPoint) {
+TEST(MainExample, InterpolatesEveryPoint) {
   Provenance from;
-  const Cascade cascade = Cascade::read(out("cascade.json"), from);
+  const Cascade cascade = Cascade::read(written("cascade.json"), from);
   // Facts: solving eq. 18 for exactly the printed gains gives these orders.
   ASSERT_EQ(cascade.terms.size(), 4u);
   const double wanted[] = {-0.0428, 1.0245, -1.2113, 2.2908};
@@ -96,21 +82,20 @@ TEST_F(NanopositionerRun, InterpolatesEveryPoint) {
   }
 }
 
-TEST_F(NanopositionerRun, PlanStaysCloseToTheSections) {
-  const Node plan = json("fpaa/plan.json");
-  // Stages follow their input through phase 1 and keep its value through phase 2: no half period of delay at 2 kHz (16 %). At a
-  // clock that is given, most of what boards are off is mismatch: 1.8 % for 95 % of them, at an input worth having. (While last digits decided, the search
-  // came to 0.60 % as designed, 2.01 for 95 %, in 1.3 V.)
-  EXPECT_LE(plan.at("error_with_delays").at("max_complex_percent").number(), 1.2);
-  EXPECT_LE(plan.at("total").at("p95_percent").number(), 1.9);
-  EXPECT_GE(plan.at("total").at("at_input_v").number(), 0.95);
-  EXPECT_GE(plan.at("total").at("p95_percent").number(),
-            plan.at("error_with_delays").at("max_complex_percent").number() * 0.999);
+TEST(MainExample, PlanStaysCloseToTheSections) {
+  const Node plan = written_json("fpaa/plan.json");
+  // Stages follow their input through phase 1 and keep its value through phase 2: no half period of delay. At a clock that is
+  // searched most of what boards are off is mismatch.
+  const double designed = plan.at("error_with_delays").at("max_complex_percent").number();
+  EXPECT_LE(designed, 0.02);
+  EXPECT_LE(plan.at("total").at("p95_percent").number(), 0.2);
+  EXPECT_GE(plan.at("total").at("p95_percent").number(), designed);
+  EXPECT_GE(plan.at("total").at("at_input_v").number(), 2.0);
 }
 
-TEST_F(NanopositionerRun, TrackingTableKnowsEveryDesignAndSaysTheSurprise) {
-  const Csv table = Csv::parse(read_file(out("tracking.csv")), "tracking.csv");
-  EXPECT_EQ(table.rows(), 2u);
+TEST(MainExample, TrackingTableKnowsEveryDesignAndSaysTheSurprise) {
+  const Csv table = Csv::parse(read_file(written("tracking.csv")), "tracking.csv");
+  EXPECT_EQ(table.rows(), 7u);
   for (const char* column :
        {"frequency_hz", "none_percent", "polynomial_percent", "cascade_percent", "sections_percent",
         "fpaa_percent", "fpaa_with_holds_percent", "circuit_percent"}) {
@@ -124,12 +109,12 @@ TEST_F(NanopositionerRun, TrackingTableKnowsEveryDesignAndSaysTheSurprise) {
   EXPECT_LT(table.column("self_fed_percent")[0], 0.01);
   // Magnitude-only compensation turns the phase: worse than the fixed polynomial at 100 Hz, and the program
   // says so.
-  EXPECT_GT(table.column("cascade_percent")[1], table.column("polynomial_percent")[1]);
-  EXPECT_THAT(read_file(out("summary.txt")), HasSubstr("worse"));
+  EXPECT_GT(table.column("cascade_percent")[6], table.column("polynomial_percent")[6]);
+  EXPECT_THAT(read_file(written("summary.txt")), HasSubstr("worse"));
 }
 
-TEST_F(NanopositionerRun, ReportIsOneSelfContainedPage) {
-  const std::string html = read_file(out("report.html"));
+TEST(MainExample, ReportIsOneSelfContainedPage) {
+  const std::string html = read_file(written("report.html"));
   EXPECT_THAT(html, HasSubstr("content=\"default-src &apos;none&apos;; script-src &apos;sha256-"));
   EXPECT_THAT(html, Not(HasSubstr("<script src")));
   EXPECT_THAT(html, Not(HasSubstr("<link")));
@@ -144,30 +129,31 @@ TEST_F(NanopositionerRun, ReportIsOneSelfContainedPage) {
 }
 
 // What the page says of every alternative is what run.json says.
-TEST_F(NanopositionerRun, AlternativesAreChosenInThePage) {
+TEST(MainExample, AlternativesAreChosenInThePage) {
   if (const std::string why = no_browser(); !why.empty()) GTEST_SKIP() << why;
   const ProgramResult checked =
-      drive_page("check_pages.py", out("report.html").string() + " " + out("run.json").string());
+      drive_page("check_pages.py", written("report.html").string() + " " + written("run.json").string());
   EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
-  EXPECT_LT(read_file(out("report.html")).size(), 1000000u);
+  EXPECT_LT(read_file(written("report.html")).size(), 1000000u);
 }
 
 // Styles and ids of one drawing must not reach another: the page shows each as its own file does, element by element.
-TEST_F(NanopositionerRun, DrawingsInThePageLookAsTheirFilesDo) {
+TEST(MainExample, DrawingsInThePageLookAsTheirFilesDo) {
   if (const std::string why = no_browser(); !why.empty()) GTEST_SKIP() << why;
-  const ProgramResult checked =
-      drive_page("check_drawings.py", out("report.html").string() + " " + out("fpaa/board.svg").string() +
-                                          " " + out("layout/disturbance.svg").string());
+  const ProgramResult checked = drive_page(
+      "check_drawings.py", written("report.html").string() + " " + written("fpaa/board.svg").string() + " " +
+                               written("layout/disturbance.svg").string());
   EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
 }
 
-TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
+TEST(MainExample, BodeReadsEveryArtefactInOneTable) {
   const bool ngspice = run_shell("command -v ngspice").status == 0;
-  const std::string files = out("cascade.json").string() + " " + out("sections.json").string() + " " +
-                            out("fpaa/plan.json").string() + " " + std::string(BODESMITH_SOURCE_DIR) +
+  const std::string files = written("cascade.json").string() + " " + written("sections.json").string() + " " +
+                            written("fpaa/plan.json").string() + " " + std::string(BODESMITH_SOURCE_DIR) +
                             "/examples/nanopositioner/gains.csv " +
-                            (ngspice ? out("spice/compensator.sub").string() : std::string());
-  const fs::path table = *folder_ / "bode.csv";
+                            (ngspice ? written("spice/compensator.sub").string() : std::string());
+  const TemporaryFolder folder;
+  const fs::path table = folder / "bode.csv";
   const ProgramResult result =
       run_bodesmith("bode " + files + " --from-hz 1 --to-hz 100 --count 41 -o " + table.string());
   ASSERT_EQ(result.status, 0) << result.err;
@@ -175,11 +161,10 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
   ASSERT_EQ(csv.rows(), 41u);
   // The complex error that the plan states, in dB and degrees, and a little for its grid.
   const double stated =
-      1.02e-2 * json("fpaa/plan.json").at("error_with_delays").at("max_complex_percent").number();
+      1.02e-2 * written_json("fpaa/plan.json").at("error_with_delays").at("max_complex_percent").number();
   const double degrees = stated * 180.0 / std::numbers::pi;
   for (size_t i = 0; i < csv.rows(); ++i) {
     const double sections = csv.column("sections_magnitude_db")[i];
-    EXPECT_NEAR(sections, csv.column("cascade_magnitude_db")[i], 0.04) << "as the project asks";
     EXPECT_NEAR(csv.column("plan_magnitude_db")[i], sections, -to_decibel(1.0 - stated));
     EXPECT_NEAR(csv.column("plan_phase_deg")[i], csv.column("sections_phase_deg")[i], degrees);
     if (ngspice) {
@@ -187,6 +172,7 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
     }
   }
   EXPECT_NEAR(csv.column("gains_magnitude_db")[40], to_decibel(1.17), 1e-12);
+  EXPECT_NEAR(csv.column("cascade_magnitude_db")[40], to_decibel(1.17), 1e-9);
 }
 
 TEST(Run, ALimitThatIsNotMetIsStatusOneAndASecondRunWritesTheSameBytesButForTimes) {

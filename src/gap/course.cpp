@@ -1,8 +1,10 @@
 #include "gap/course.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "base/documents/document.hpp"
+#include "base/text.hpp"
 #include "gap/effect.hpp"
 
 namespace bodesmith::gap {
@@ -36,10 +38,9 @@ std::vector<CourseCase> read_course(const std::filesystem::path& folder, Provena
     one.holdout = folder / item.at("holdout").string();
     one.salt = item.at("salt").string();
     one.sealed_sha256 = item.at("sealed_sha256").string();
-    const bool plain = !one.name.empty() && std::all_of(one.name.begin(), one.name.end(), [](char c) {
-      return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || c == '_';
-    });
-    if (!plain) item.at("case").fail("expected digits and small letters");
+    const bool plain = std::ranges::all_of(
+        one.name, [](char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || c == '_'; });
+    if (one.name.empty() || !plain) item.at("case").fail("expected digits and small letters");
     if (!one.opened()) item.at("sealed_sha256").fail("seals the name of no effect");
     out.push_back(std::move(one));
   }
@@ -48,17 +49,9 @@ std::vector<CourseCase> read_course(const std::filesystem::path& folder, Provena
 }
 
 const char* to_string(CourseAnswer::Grade grade) {
-  switch (grade) {
-    case CourseAnswer::Grade::right:
-      return "right";
-    case CourseAnswer::Grade::tied:
-      return "a tie with the right one in it";
-    case CourseAnswer::Grade::among_others:
-      return "right, and something else with it";
-    case CourseAnswer::Grade::wrong:
-      break;
-  }
-  return "wrong";
+  constexpr std::array kWords = {"right", "a tie with the right one in it",
+                                 "right, and something else with it", "wrong"};
+  return kWords.at(static_cast<std::size_t>(grade));
 }
 
 CourseAnswer course_answer(const CourseCase& one, const std::filesystem::path& diagnosis, Provenance& from) {

@@ -29,14 +29,7 @@ Verdict verdict_of(const SearchResult& result, double train_rms) {
   return left ? Verdict::partly_explained : Verdict::explained;
 }
 
-namespace {
-
-/// The held-out records disagree when this much more is left of them than of the training records.
-constexpr double kDisagrees = 2.0;
-/// The same where nothing was found: slow noise alone may be so much larger in one record than in another.
-constexpr double kDisagreesWithNothing = 5.0;
-
-const Ranked* best_rival(const Step& step) {
+const Ranked* runner_up_of(const Step& step) {
   const Ranked* rival = nullptr;
   for (const auto& r : step.ranking) {
     if (r.effect->told() != step.effect->told() && (rival == nullptr || r.log_evidence > rival->log_evidence))
@@ -44,6 +37,13 @@ const Ranked* best_rival(const Step& step) {
   }
   return rival;
 }
+
+namespace {
+
+/// The held-out records disagree when this much more is left of them than of the training records.
+constexpr double kDisagrees = 2.0;
+/// The same where nothing was found: slow noise alone may be so much larger in one record than in another.
+constexpr double kDisagreesWithNothing = 5.0;
 
 DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   DiagnosedStep s;
@@ -53,9 +53,6 @@ DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   s.also_placed = step.also_placed;
   s.before = meter.size(step.before);
   s.after = meter.size(step.after);
-  if (const auto* rival = best_rival(step)) {
-    s.runner_up = {std::string(rival->effect->told()), meter.holdout_rms(rival->model), rival->outcome};
-  }
   return s;
 }
 
@@ -140,9 +137,9 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   // The held-out records come in here, when all is decided. Lines of the mains are written as the first of
   // them has them.
   d.search.final = with_lines_of(std::move(d.search.final), study.holdout().front());
-  for (auto& s : d.search.steps) look_at_holdout(s.ranking, study.holdout());
-  look_at_holdout(d.search.refused, study.holdout());
   const GapMeter meter(study, d.search.final);
+  for (auto& s : d.search.steps) look_at_holdout(s.ranking, meter.holdout());
+  look_at_holdout(d.search.refused, meter.holdout());
   d.scored_from = meter.scored_from();
   d.initial = meter.size(d.search.initial);
   d.refitted = meter.size(d.search.base);

@@ -41,12 +41,8 @@ struct FoundParameter {
   double high = 0.0;
 };
 
-/// The best candidate of another effect in a step's round.
-struct RunnerUp {
-  std::string effect;  ///< empty: there was none
-  double holdout_rms = 0.0;
-  CandidateOutcome outcome = CandidateOutcome::not_judged;
-};
+/// The best candidate of another effect among those that a step was chosen from; null: there was none.
+const Ranked* runner_up_of(const Step& step);
 
 /// One term that was found, with the gap before it and after it.
 struct DiagnosedStep {
@@ -58,7 +54,6 @@ struct DiagnosedStep {
   std::vector<FoundParameter> parameters;
   GapSize before;
   GapSize after;
-  RunnerUp runner_up;
   double among_names = 0.0;  ///< Posterior::among_names
   double probability = 0.0;  ///< Posterior::of_steps
   bool grew = false;         ///< the held-out gap is larger with it

@@ -29,7 +29,8 @@ Json json_of(const std::vector<Cell>& cells) {
                    {"to", c.to},
                    {"share", c.share},
                    {"extent", c.extent}});
-    if (c.axis == Axis::amplitude) all.back()["of"] = c.of_output ? "output" : "input";
+    if (c.axis == Axis::input) all.back()["of"] = "input";
+    if (c.axis == Axis::output) all.back()["of"] = "output";
   }
   return all;
 }
@@ -54,11 +55,12 @@ Json json_of(const std::vector<Ranked>& ranking) {
   return all;
 }
 
-Json json_of(const RunnerUp& r) {
-  if (r.effect.empty()) return nullptr;
-  return {{"effect", r.effect},
-          {"holdout_rms_after", finite_or_null(r.holdout_rms)},
-          {"outcome", to_string(r.outcome)}};
+Json runner_up_json(const Step& step) {
+  const auto* r = runner_up_of(step);
+  if (r == nullptr) return nullptr;
+  return {{"effect", r->effect->told()},
+          {"holdout_rms_after", finite_or_null(r->holdout_rms)},
+          {"outcome", to_string(r->outcome)}};
 }
 
 Json json_of(const DiagnosedStep& s) {
@@ -75,8 +77,7 @@ Json json_of(const DiagnosedStep& s) {
           {"holdout_rms_after", finite_or_null(s.after.holdout_rms)},
           {"train_rms_before", finite_or_null(s.before.train_rms)},
           {"train_rms_after", finite_or_null(s.after.train_rms)},
-          {"probability", s.probability},
-          {"runner_up", json_of(s.runner_up)}};
+          {"probability", s.probability}};
 }
 
 Json json_of(const AmplitudeDependence& a) {
@@ -135,6 +136,7 @@ Json to_json(const Diagnosis& d) {
   j["steps"] = Json::array();
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     Json step = json_of(d.steps[k]);
+    step["runner_up"] = runner_up_json(d.search.steps[k]);
     step["candidates"] = json_of(d.search.steps[k].ranking);
     step["log_evidence_without"] = finite_or_null(d.search.steps[k].log_evidence_without);
     j["steps"].push_back(std::move(step));

@@ -72,16 +72,16 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));
   SearchSetting setting{options, result.initial};
-  const SearchRecords all = make_records(train, options.stretches, result.initial);
-  Model model = refit_base(setting, all);
-  auto [records, wrong_start] = leave_out_wrong_starts(setting, all, model);
+  Beam beam;
+  SearchRecords& records = beam.records;
+  records = make_records(train, options.stretches, result.initial);
+  Model model = refit_base(setting, records);
   // A second time, as values far off may still be on their way.
-  if (wrong_start) model = fit_in_turn(setting, records, refit_base(setting, records)).model;
+  if (leave_out_wrong_starts(options, records, model))
+    model = fit_in_turn(setting, records, refit_base(setting, records)).model;
   follow_what_is_left(records.stretches, records.train, model, options.stretches);
   result.base = model;
   setting.first_gap = rms_of(model, records.train);
-  Beam beam;
-  beam.records = std::move(records);
   beam.best.model = std::move(model);
   search_sets(setting, beam);
   result.stopped = options.stopped();
@@ -89,14 +89,14 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.steps = steps_of(setting, result.base, beam);
   result.refused = std::move(beam.refused);
   result.not_tried = std::move(beam.not_tried);
-  result.floor = floor_under(beam.best.model, beam.records);
-  result.holds = holds_of(beam.records.train);
+  result.floor = floor_under(beam.best.model, records);
+  result.holds = holds_of(records.train);
   result.train_rms = beam.best.train_rms;
   result.log_evidence = beam.best.log_evidence;
-  if (!result.stopped) result.structure = signs_left(beam.best.model, beam.records);
+  if (!result.stopped) result.structure = signs_left(beam.best.model, records);
   // It made the search go on. What neither an offset nor a drift took of it is what noise has that falls as 1/f from below the record on.
   std::erase_if(result.structure, [](const Sign& s) { return s.kind == SignKind::straight_line; });
-  if (has_many_of_a_kind(beam.best.model, beam.records.train))
+  if (has_many_of_a_kind(beam.best.model, records.train))
     result.structure.push_back({SignKind::many_of_a_kind, (kMostOfAKind + 1.0) / kMostOfAKind});
   result.final = std::move(beam.best.model);
   result.notes = std::move(beam.best.notes);

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 
-#include "gap/drive_request.hpp"
 #include "gap/effect.hpp"
 
 namespace bodesmith::gap {
@@ -47,6 +47,17 @@ struct PairOptions {
   std::size_t seconds = 4;  ///< alongside each
   std::size_t fits = 20;    ///< of the pairs that promise most
   std::size_t best = 3;     ///< of them that are gone on from
+};
+
+/// What the drive of experiment.csv may be, as far as somebody says it; the rest is taken from the training records.
+struct DriveRequest {
+  std::optional<double> lower;
+  std::optional<double> upper;
+  std::optional<double> max_rate;  ///< per second
+  std::optional<double> duration_s;
+  std::optional<double> step_s;
+
+  static constexpr double kMostSamples = 20000.0;
 };
 
 struct SearchOptions {

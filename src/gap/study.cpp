@@ -72,16 +72,10 @@ void sort_by_content(std::vector<Record>& records) {
                    [](const Record& a, const Record& b) { return comes_before(a, b); });
 }
 
-template <class Record>
-std::vector<Record> read_all(const std::vector<std::filesystem::path>& files, Provenance& from) {
-  std::vector<Record> records;
-  for (const auto& path : files) {
-    if constexpr (std::is_same_v<Record, TimeRecord>) {
-      records.push_back(TimeRecord::read_csv(path, from, true));
-    } else {
-      records.push_back(MeasuredResponse::read_csv(path, from));
-    }
-  }
+template <class Read>
+auto all_of(const std::vector<std::filesystem::path>& files, Read read) {
+  std::vector<std::invoke_result_t<Read, std::filesystem::path>> records;
+  for (const auto& path : files) records.push_back(read(path));
   return records;
 }
 
@@ -97,11 +91,11 @@ bool Study::frequency_responses() const {
 }
 
 bool Study::weighted() const {
-  const auto all = joined(train_, holdout_);
-  return std::any_of(all.begin(), all.end(), [](const Experiment& e) {
+  const auto is_weighted = [](const Experiment& e) {
     const auto* response = std::get_if<FrequencyExperiment>(&e);
     return response != nullptr && !response->weights().empty();
-  });
+  };
+  return std::ranges::any_of(train_, is_weighted) || std::ranges::any_of(holdout_, is_weighted);
 }
 
 Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, const chain::Chain& base) {
@@ -156,12 +150,12 @@ Study Study::read(const std::vector<std::filesystem::path>& data,
   const bool frequency = is_frequency_response(data.front());
   validate_kinds(data, data.front(), frequency);
   validate_kinds(holdout, data.front(), frequency);
-  if (frequency) {
-    auto train = read_all<MeasuredResponse>(data, from);
-    return of(std::move(train), read_all<MeasuredResponse>(holdout, from), base);
-  }
-  auto train = read_all<TimeRecord>(data, from);
-  return of(std::move(train), read_all<TimeRecord>(holdout, from), base);
+  const auto study_by = [&](auto read) {
+    auto train = all_of(data, read);
+    return of(std::move(train), all_of(holdout, read), base);
+  };
+  if (frequency) return study_by([&](const auto& path) { return MeasuredResponse::read_csv(path, from); });
+  return study_by([&](const auto& path) { return TimeRecord::read_csv(path, from, true); });
 }
 
 }  // namespace bodesmith::gap

@@ -9,19 +9,18 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Which of a multiplier's errors a term holds, and which multipliers have them.
-struct MultiplierErrors {
-  bool scale = false;
-  bool feedthrough = false;
-  bool offset = false;
-  bool first_alone = false;  ///< that of the square; else those of all powers have the same
-};
-
 /// Values of a multiplier's errors: its product of x and y is scale (x + feedthrough) y + offset.
 struct ErrorValues {
   double scale = 1.0;
   double feedthrough = 0.0;
   double offset = 0.0;
+};
+
+/// One of them as an unknown.
+struct MultiplierError {
+  double ErrorValues::*value;
+  Unknown unknown;
+  double start;
 };
 
 /// Coefficients [c0, c1, ...] of the polynomial with those coefficients when its powers come from multipliers with
@@ -98,37 +97,26 @@ void propose_in_multiplier(const Scene& scene, std::size_t at, std::vector<Propo
   out.push_back(change_block(scene, at, {scale_v, feedthrough, z_offset}, {{1.02 * scale, 0.01, part}}));
 }
 
-/// Of the multipliers that make a block's powers.
-Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<Powers>& powers,
-                   MultiplierErrors which) {
-  const double size = scene.boundary[at].size();
+/// Of the multipliers that make a block's powers; `first_alone`: of that of the square, else those of all powers have the same.
+Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<Powers>& powers, bool first_alone,
+                   const std::vector<MultiplierError>& which) {
   Model model = *scene.model;
   const int id = model.id_at(at);
   Term term;
   term.placed = inside_block(model, at);
   term.part = model.at(at).part;
   std::vector<double> start;
-  if (which.scale) {
-    term.unknowns.push_back(linear_unknown("scale", 0.5, 2.0, 0.05));
-    start.push_back(1.02);
-  }
-  if (which.feedthrough) {
-    term.unknowns.push_back(linear_unknown("feedthrough", -size, size, 0.05 * size));
-    start.push_back(0.005 * size);
-  }
-  if (which.offset) {
-    const double square = size * size;
-    term.unknowns.push_back(linear_unknown("offset", -square, square, 0.05 * square));
-    start.push_back(0.005 * square);
+  std::vector<double ErrorValues::*> values;
+  for (const auto& error : which) {
+    term.unknowns.push_back(error.unknown);
+    start.push_back(error.start);
+    values.push_back(error.value);
   }
   term.write = [=](Model& m, std::span<const double> v) {
-    std::size_t next = 0;
     ErrorValues errors;
-    if (which.scale) errors.scale = v[next++];
-    if (which.feedthrough) errors.feedthrough = v[next++];
-    if (which.offset) errors.offset = v[next];
+    for (std::size_t k = 0; k < values.size(); ++k) errors.*values[k] = v[k];
     for (const auto& p : powers)
-      write_powers(m.block(id), p, with_errors(p.coefficients, errors, which.first_alone));
+      write_powers(m.block(id), p, with_errors(p.coefficients, errors, first_alone));
   };
   term.undo = [=](Model& m) {
     for (const auto& p : powers) write_powers(m.block(id), p, p.coefficients);
@@ -145,17 +133,21 @@ void propose_multiplier_error(const Scene& scene, std::vector<Proposal>& out) {
     const bool refitted = std::any_of(block.parameters().begin(), block.parameters().end(),
                                       [](const chain::Parameter& p) { return p.free; });
     if (degree < 2 || refitted) continue;
+    const double size = scene.boundary[at].size();
+    const double square = size * size;
+    const MultiplierError gain = {&ErrorValues::scale, linear_unknown("scale", 0.5, 2.0, 0.05), 1.02};
+    const MultiplierError through = {&ErrorValues::feedthrough,
+                                     linear_unknown("feedthrough", -size, size, 0.05 * size), 0.005 * size};
+    const MultiplierError offset = {&ErrorValues::offset,
+                                    linear_unknown("offset", -square, square, 0.05 * square), 0.005 * square};
+    std::vector<std::vector<MultiplierError>> sets = {
+        {gain}, {through}, {gain, through}, {gain, through, offset}};
+    // One curve's constant is an offset's; those of two branches differ.
+    if (powers.size() > 1) sets.push_back({offset});
     for (const bool first_alone : {false, true}) {
       // With squares alone it is the same.
       if (first_alone && degree < 3) continue;
-      std::vector<MultiplierErrors> which = {
-          {.scale = true}, {.feedthrough = true}, {true, true}, {true, true, true}};
-      // One curve's constant is an offset's; those of two branches differ.
-      if (powers.size() > 1) which.push_back({.offset = true});
-      for (auto& w : which) {
-        w.first_alone = first_alone;
-        out.push_back(in_powers(scene, at, powers, w));
-      }
+      for (const auto& which : sets) out.push_back(in_powers(scene, at, powers, first_alone, which));
     }
   }
 }

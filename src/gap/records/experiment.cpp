@@ -70,10 +70,4 @@ double largest_range(const Experiments& experiments) {
   return range;
 }
 
-Experiments joined(const Experiments& a, const Experiments& b) {
-  Experiments both = a;
-  both.insert(both.end(), b.begin(), b.end());
-  return both;
-}
-
 }  // namespace bodesmith::gap

@@ -120,7 +120,5 @@ std::size_t holds_of(const Experiments& experiments);
 std::size_t scored_samples(const Experiments& experiments);
 /// The largest range of them.
 double largest_range(const Experiments& experiments);
-/// A train-and-holdout list: the one behind the other.
-Experiments joined(const Experiments& a, const Experiments& b);
 
 }  // namespace bodesmith::gap

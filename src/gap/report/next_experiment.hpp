@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gap/drive_request.hpp"
+#include "gap/search_options.hpp"
 #include "gap/search_result.hpp"
 #include "gap/study.hpp"
 

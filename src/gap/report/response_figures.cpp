@@ -17,10 +17,9 @@ using Responses = std::vector<std::complex<double>>;
 std::vector<double> unwrapped_phase(const Responses& h) {
   std::vector<double> phase;
   for (const auto& value : h) {
-    double angle = to_degrees(std::arg(value));
-    while (!phase.empty() && angle - phase.back() > 180.0) angle -= 360.0;
-    while (!phase.empty() && angle - phase.back() < -180.0) angle += 360.0;
-    phase.push_back(angle);
+    const double angle = to_degrees(std::arg(value));
+    const double last = phase.empty() ? angle : phase.back();
+    phase.push_back(last + std::remainder(angle - last, 360.0));
   }
   return phase;
 }

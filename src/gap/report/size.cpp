@@ -114,10 +114,6 @@ GapMeter::GapMeter(const Study& study, const Model& final)
       train_from_(scoring_starts(final, study.train(), false)),
       holdout_from_(scoring_starts(final, study.holdout(), study.split())) {}
 
-double GapMeter::holdout_rms(const Model& model) const {
-  return pooled_rms(holdout_residuals(model), holdout_from_).first;
-}
-
 GapSize GapMeter::size(const Model& model) const {
   GapSize s;
   // Training records have lines of their own; the held-out ones are compared with what model.toml holds.
@@ -141,6 +137,15 @@ std::vector<Cell> GapMeter::where(const Model& model) const {
 
 std::span<const double> GapMeter::holdout_residual(const Model& model, std::size_t record) const {
   return holdout_residuals(model)[record].subspan(holdout_from_[record]);
+}
+
+Experiments GapMeter::holdout() const {
+  Experiments all = study_.holdout();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (auto* time = std::get_if<TimeExperiment>(&all[i]); time != nullptr && holdout_from_[i] == 0)
+      time->score_start();
+  }
+  return all;
 }
 
 std::vector<ScoredFrom> GapMeter::scored_from() const {

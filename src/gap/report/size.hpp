@@ -40,12 +40,12 @@ class GapMeter {
   GapMeter(const Study& study, const Model& final);
 
   GapSize size(const Model& model) const;
-  /// The same of the held-out records alone.
-  double holdout_rms(const Model& model) const;
   /// Where the gap of the held-out record with the largest gap lies; nowhere when the model runs away on it.
   std::vector<Cell> where(const Model& model) const;
   /// y - y_model of one held-out record over the samples that are scored, lines of the mains as size() takes them.
   std::span<const double> holdout_residual(const Model& model, std::size_t record) const;
+  /// The held-out records, their starts scored where the meter scores them.
+  Experiments holdout() const;
   /// Time records only.
   std::vector<ScoredFrom> scored_from() const;
 

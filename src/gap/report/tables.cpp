@@ -14,10 +14,11 @@ std::string percent_text(double share) {
   return fmt::format("{:.1f} %", 100.0 * share);
 }
 
-std::string axis_words(const Cell& cell) {
-  constexpr std::array kWords = {"frequency, Hz", "amplitude of the input", "time, s",
-                                 "branch (-1 falling, 1 rising)", "harmonic of the input's period"};
-  return cell.of_output ? "amplitude of the output" : kWords.at(static_cast<std::size_t>(cell.axis));
+std::string axis_words(Axis axis) {
+  constexpr std::array kWords = {
+      "frequency, Hz", "amplitude of the input",        "amplitude of the output",
+      "time, s",       "branch (-1 falling, 1 rising)", "harmonic of the input's period"};
+  return kWords.at(static_cast<std::size_t>(axis));
 }
 
 std::vector<std::string> size_row(const Diagnosis& d, std::string model, const GapSize& size,
@@ -43,11 +44,12 @@ report::Table steps_table(const Diagnosis& d) {
   t.head.emplace_back("runner-up (held-out rms)");
   t.rows.push_back(size_row(d, "as given", d.initial, ""));
   t.rows.push_back(size_row(d, "free parameters refitted", d.refitted, ""));
-  for (const auto& s : d.steps) {
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
+    const auto& s = d.steps[k];
     const std::string ties = s.tied_with.empty() ? "" : " (or " + join(s.tied_with, ", ") + ")";
-    const std::string rival = s.runner_up.effect.empty() ? ""
-                                                         : fmt::format("{} ({})", s.runner_up.effect,
-                                                                       rms_text(d, s.runner_up.holdout_rms));
+    const Ranked* r = runner_up_of(d.search.steps[k]);
+    const std::string rival =
+        r == nullptr ? "" : fmt::format("{} ({})", r->effect->told(), rms_text(d, r->holdout_rms));
     t.rows.push_back(size_row(d, "+ " + s.effect + ties, s.after, rival));
   }
   return t;
@@ -57,7 +59,7 @@ report::Table cells_table(const std::vector<Cell>& cells) {
   report::Table t;
   t.head = {"axis", "from", "to", "share of the gap", "share of the record"};
   for (const auto& c : cells) {
-    t.rows.push_back({axis_words(c), figure_text(c.from), figure_text(c.to), percent_text(c.share),
+    t.rows.push_back({axis_words(c.axis), figure_text(c.from), figure_text(c.to), percent_text(c.share),
                       percent_text(c.extent)});
   }
   return t;

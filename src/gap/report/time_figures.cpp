@@ -19,9 +19,8 @@ using report::Series;
 enum Colour { kMeasured, kBase, kExtended, kFloor };
 
 constexpr std::size_t kMaxPoints = 2000;
-/// The stretch of a record that is shown close: one part in …, and at least so many samples.
-constexpr std::size_t kZoom = 25;
-constexpr std::size_t kMinZoomed = 60;
+/// Samples of the stretch of a record that is shown close.
+constexpr std::size_t kZoomed = 200;
 
 std::vector<double> slice(const std::vector<double>& v, std::size_t from, std::size_t to) {
   const auto part = std::span(v).subspan(from, to - from);
@@ -81,8 +80,7 @@ Series curve(const BeforeAndAfter& s, std::string name, const std::vector<double
 }
 
 Plot zoomed_output(const BeforeAndAfter& s) {
-  const std::size_t n = s.record.size();
-  const std::size_t width = std::clamp(n / kZoom, std::min(n, kMinZoomed), n);
+  const std::size_t width = std::min(kZoomed, s.record.size() - s.first);
   const std::size_t from = worst_stretch(s, width);
   const std::size_t to = from + width;
   Plot plot;

@@ -170,7 +170,7 @@ Bins frequency_bins(const std::vector<double>& e, double step_s) {
 }
 
 std::string to_string(Axis axis) {
-  constexpr std::array kNames = {"frequency_hz", "amplitude", "time_s", "branch", "harmonic"};
+  constexpr std::array kNames = {"frequency_hz", "amplitude", "amplitude", "time_s", "branch", "harmonic"};
   return kNames.at(static_cast<std::size_t>(axis));
 }
 
@@ -183,14 +183,11 @@ std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& res
   const auto u = std::span(record.u).subspan(from, n - from);
   cells.push_back(densest(Axis::frequency, frequency_bins(e, record.step_s)));
   cells.push_back(densest(Axis::time, time_bins(e, record, from)));
-  const auto amplitudes = amplitude_bins(e, u);
-  if (!amplitudes.empty()) cells.push_back(densest(Axis::amplitude, amplitudes));
+  if (const auto inputs = amplitude_bins(e, u); !inputs.empty())
+    cells.push_back(densest(Axis::input, inputs));
   if (record.y.size() >= n) {
     const auto outputs = amplitude_bins(e, std::span(record.y).subspan(from, n - from));
-    if (!outputs.empty()) {
-      cells.push_back(densest(Axis::amplitude, outputs));
-      cells.back().of_output = true;
-    }
+    if (!outputs.empty()) cells.push_back(densest(Axis::output, outputs));
   }
   cells.push_back(densest(Axis::branch, branch_bins(e, u)));
   if (period > 0 && e.size() >= 2 * period)
@@ -222,8 +219,10 @@ std::string to_text(const Cell& c) {
       return fmt::format("frequencies {} Hz {}", stretch, share);
     case Axis::time:
       return fmt::format("times {} s {}", stretch, share);
-    case Axis::amplitude:
-      return fmt::format("{} from {} {}", c.of_output ? "outputs" : "inputs", stretch, share);
+    case Axis::input:
+      return fmt::format("inputs from {} {}", stretch, share);
+    case Axis::output:
+      return fmt::format("outputs from {} {}", stretch, share);
     case Axis::harmonic:
       break;
   }

@@ -15,12 +15,13 @@ constexpr double kMostOfGap = 0.5;
 /// What a gap is spread over.
 enum class Axis {
   frequency,  ///< of the residual's spectrum, Hz
-  amplitude,  ///< of the input, or of the measured output (Cell::of_output)
+  input,      ///< its amplitude
+  output,     ///< the measured one's amplitude
   time,       ///< of the record, s
   branch,     ///< 1: input rising, -1: falling, 0: at rest
   harmonic,   ///< of the input's period (only for periodic inputs)
 };
-/// "frequency_hz", "amplitude", "time_s", "branch" or "harmonic", as in diagnosis.json.
+/// "frequency_hz", "amplitude" (of either), "time_s", "branch" or "harmonic", as in diagnosis.json.
 std::string to_string(Axis axis);
 
 /// A stretch of an axis and the share of the gap (mean square of the residual) that lies in it.
@@ -29,8 +30,7 @@ struct Cell {
   double from = 0.0;
   double to = 0.0;
   double share = 0.0;
-  double extent = 0.0;     ///< share of the record (samples, or band) that the stretch covers
-  bool of_output = false;  ///< of amplitudes: the measured output's, not the input's
+  double extent = 0.0;  ///< share of the record (samples, or band) that the stretch covers
 };
 
 /// A step of an axis, the gap's energy in it and how wide it is.

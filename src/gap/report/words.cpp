@@ -87,8 +87,7 @@ std::string step_in_words(const DiagnosedStep& s) {
       fmt::format("{} ({}): {}.", s.effect, s.placed, effect_registry().get(s.effect).facts().what);
   if (!s.parameters.empty()) {
     std::string values = values_in_words(s.parameters);
-    if (values.front() >= 'a' && values.front() <= 'z')
-      values.front() = static_cast<char>(values.front() - 'a' + 'A');
+    values.front() = upper_case(values.front());
     text += " " + values + ".";
   }
   if (!s.tied_with.empty())

@@ -55,12 +55,11 @@ PlacedSet without_term(const SearchSetting& setting, const SearchRecords& record
 /// A set with its starts looked at again and all of it settled; the beam's records follow, and its best set is weighed again by them.
 PlacedSet settled(const SearchSetting& setting, Beam& beam, PlacedSet set) {
   set.model = fit_in_turn(setting, beam.records, std::move(set.model)).model;
-  auto wrong = leave_out_wrong_starts(setting, beam.records, set.model);
-  if (wrong.found) set.model = fit_in_turn(setting, wrong.records, std::move(set.model)).model;
-  auto tried = score_starts_again(setting, std::move(wrong.records), std::move(set.model));
-  follow_what_is_left(tried.records.stretches, tried.records.train, tried.model, setting.options.stretches);
-  set.model = fit_in_turn(setting, tried.records, std::move(tried.model)).model;
-  beam.records = std::move(tried.records);
+  if (leave_out_wrong_starts(setting.options, beam.records, set.model))
+    set.model = fit_in_turn(setting, beam.records, std::move(set.model)).model;
+  score_starts_again(setting, beam.records, set.model);
+  follow_what_is_left(beam.records.stretches, beam.records.train, set.model, setting.options.stretches);
+  set.model = fit_in_turn(setting, beam.records, std::move(set.model)).model;
   weigh(beam.records, beam.best);
   weigh(beam.records, set);
   return set;

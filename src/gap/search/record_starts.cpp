@@ -34,32 +34,27 @@ bool stands_out_at_start(const SearchOptions& options, const Model& model, const
 
 }  // namespace
 
-WrongStarts leave_out_wrong_starts(const SearchSetting& setting, SearchRecords records, const Model& model) {
-  const auto& options = setting.options;
+bool leave_out_wrong_starts(const SearchOptions& options, SearchRecords& records, const Model& model) {
   bool found = false;
   for_each_time_record(records, [&](TimeExperiment& e) {
     if (e.start_is_left_out() || e.start() == 0 || !stands_out_at_start(options, model, e)) return;
     e.leave_out_start();
     found = true;
   });
-  return {std::move(records), found};
+  return found;
 }
 
-StartsTried score_starts_again(const SearchSetting& setting, SearchRecords records, Model model) {
-  const auto& options = setting.options;
+void score_starts_again(const SearchSetting& setting, SearchRecords& records, Model& model) {
   const int before = starts_left_out(records);
-  if (before == 0) return {std::move(records), std::move(model)};
+  if (before == 0) return;
   SearchRecords all_scored = records;
   for_each_time_record(all_scored, [](TimeExperiment& e) { e.score_start(); });
   Model refitted = fit_in_turn(setting, all_scored, model).model;
   // Those that stand out even now stay left out.
-  SearchRecords tried = records;
-  for_each_time_record(tried, [&](TimeExperiment& e) {
-    if (e.start_is_left_out() && !stands_out_at_start(options, refitted, e)) e.score_start();
+  for_each_time_record(records, [&](TimeExperiment& e) {
+    if (e.start_is_left_out() && !stands_out_at_start(setting.options, refitted, e)) e.score_start();
   });
-  if (starts_left_out(tried) == before) return {std::move(records), std::move(model)};
-  model = fit_in_turn(setting, tried, std::move(refitted)).model;
-  return {std::move(tried), std::move(model)};
+  if (starts_left_out(records) < before) model = fit_in_turn(setting, records, std::move(refitted)).model;
 }
 
 }  // namespace bodesmith::gap

@@ -13,8 +13,7 @@ struct SearchSetting {
   double first_gap = 0.0;  ///< rms that the base model leaves of the training records, refitted
 };
 
-/// The records of a search: the training records alone. A value: each step that changes what is scored
-/// returns new ones.
+/// The records of a search: the training records alone.
 struct SearchRecords {
   Experiments train;
   Experiments stretches;  ///< the liveliest parts of long training records; empty when they are not long

@@ -55,9 +55,9 @@ struct Tried {
 };
 
 Tried tried(const Model& model, const Experiments& train, const SearchOptions& options) {
-  const SearchSetting setting{options, model};
-  return {rms_of(model, as_searched(train)), log_evidence(model, as_searched(train)),
-          !leave_out_wrong_starts(setting, make_records(train, options.stretches, model), model).found};
+  SearchRecords records{as_searched(train), {}};
+  return {rms_of(model, records.train), log_evidence(model, records.train),
+          !leave_out_wrong_starts(options, records, model)};
 }
 
 /// search(); and where that leaves a start out, once more with all starts scored: what is missing may act there

@@ -10,6 +10,7 @@
 
 #include "base/text.hpp"
 #include "gap/signs/chance.hpp"
+#include "numeric/interpolated.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -36,28 +37,22 @@ double drive_of(const MeasuredResponse& record) {
   return median(record.drive_v);
 }
 
-/// ln |H| + j phase without jumps, over ln f.
+/// ln |H| and phase without jumps, over ln f.
 struct Logarithm {
   std::vector<double> at;
-  std::vector<std::complex<double>> value;
+  std::vector<double> gain;
+  std::vector<double> phase;
 
   explicit Logarithm(const MeasuredResponse& record) {
     for (std::size_t i = 0; i < record.frequency.size(); ++i) {
       at.push_back(std::log(record.frequency[i].value));
-      std::complex<double> v = std::log(record.response[i]);
-      if (i > 0)
-        v.imag(value.back().imag() + std::remainder(v.imag() - value.back().imag(), 2.0 * std::numbers::pi));
-      value.push_back(v);
+      const std::complex<double> v = std::log(record.response[i]);
+      const double last = i > 0 ? phase.back() : v.imag();
+      gain.push_back(v.real());
+      phase.push_back(last + std::remainder(v.imag() - last, 2.0 * std::numbers::pi));
     }
   }
   bool covers(double x) const { return x >= at.front() && x <= at.back(); }
-  std::complex<double> operator()(double x) const {
-    const auto above = std::clamp<std::ptrdiff_t>(std::lower_bound(at.begin(), at.end(), x) - at.begin(), 1,
-                                                  static_cast<std::ptrdiff_t>(at.size()) - 1);
-    const auto k = static_cast<std::size_t>(above);
-    const double t = (x - at[k - 1]) / (at[k] - at[k - 1]);
-    return (1.0 - t) * value[k - 1] + t * value[k];
-  }
 };
 
 struct Peak {
@@ -75,25 +70,20 @@ double shift_by_damping(double height) {
 
 /// The highest maximum that stands out, its place by the parabola through three points.
 std::optional<Peak> peak_of(const Logarithm& h) {
-  const std::size_t n = h.value.size();
-  std::size_t top = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (h.value[i].real() > h.value[top].real()) top = i;
-  }
+  const std::size_t n = h.gain.size();
+  const auto highest = std::max_element(h.gain.begin(), h.gain.end());
+  const auto top = static_cast<std::size_t>(highest - h.gain.begin());
   if (top < 2 || top + 2 >= n) return std::nullopt;
-  const auto lowest = [&](std::size_t from, std::size_t to) {
-    double least = h.value[top].real();
-    for (std::size_t i = from; i < to; ++i) least = std::min(least, h.value[i].real());
-    return least;
-  };
-  if (h.value[top].real() - std::max(lowest(0, top), lowest(top + 1, n)) < kProminent) return std::nullopt;
-  const double a = h.value[top - 1].real();
-  const double b = h.value[top].real();
-  const double c = h.value[top + 1].real();
+  const double valley =
+      std::max(*std::min_element(h.gain.begin(), highest), *std::min_element(highest, h.gain.end()));
+  if (*highest - valley < kProminent) return std::nullopt;
+  const double a = h.gain[top - 1];
+  const double b = h.gain[top];
+  const double c = h.gain[top + 1];
   const double bend = a - 2.0 * b + c;
   const double step = 0.5 * (h.at[top + 1] - h.at[top - 1]);
   return Peak{h.at[top] + (bend < 0.0 ? 0.5 * step * (a - c) / bend : 0.0), step,
-              shift_by_damping(std::exp(b - h.value.front().real()))};
+              shift_by_damping(std::exp(b - h.gain.front()))};
 }
 
 /// Mean change of the gain over a part of the points.
@@ -192,9 +182,10 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   std::vector<std::complex<double>> change;
   for (std::size_t i = 0; i < small.at.size(); ++i) {
     if (!large.covers(small.at[i])) continue;
-    const std::complex<double> difference = large(small.at[i]) - small.value[i];
     at.push_back(small.at[i]);
-    change.emplace_back(difference.real(), std::remainder(difference.imag(), 2.0 * std::numbers::pi));
+    change.emplace_back(interpolated(large.at, large.gain, at.back()) - small.gain[i],
+                        std::remainder(interpolated(large.at, large.phase, at.back()) - small.phase[i],
+                                       2.0 * std::numbers::pi));
   }
   double energy = 0.0;
   double together = 0.0;

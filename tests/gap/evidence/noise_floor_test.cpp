@@ -125,20 +125,18 @@ TEST(Where, TellsOutputsApartFromInputs) {
   auto e = noise(5000, 0.01, 10);
   for (std::size_t i = 0; i < e.size(); ++i) e[i] += std::max(0.0, record.y[i] - 0.8);
   const auto cells = where(record, e, 0, 0);
-  const auto amplitude = [&](bool output) {
-    return std::find_if(cells.begin(), cells.end(),
-                        [&](const Cell& c) { return c.axis == Axis::amplitude && c.of_output == output; });
+  const auto along = [&](Axis axis) {
+    return std::find_if(cells.begin(), cells.end(), [&](const Cell& c) { return c.axis == axis; });
   };
-  ASSERT_NE(amplitude(true), cells.end());
-  EXPECT_EQ(amplitude(false), cells.end());
-  EXPECT_GT(amplitude(true)->from, 0.75);
-  EXPECT_GT(amplitude(true)->share, 0.9);
+  ASSERT_NE(along(Axis::output), cells.end());
+  EXPECT_EQ(along(Axis::input), cells.end());
+  EXPECT_GT(along(Axis::output)->from, 0.75);
+  EXPECT_GT(along(Axis::output)->share, 0.9);
 }
 
 /// The cell of an axis, empty where that axis tells nothing.
 Cell on(const std::vector<Cell>& cells, Axis axis) {
-  const auto found =
-      std::find_if(cells.begin(), cells.end(), [&](const Cell& c) { return c.axis == axis && !c.of_output; });
+  const auto found = std::find_if(cells.begin(), cells.end(), [&](const Cell& c) { return c.axis == axis; });
   return found == cells.end() ? Cell{axis, NAN, NAN, 0.0, 0.0} : *found;
 }
 
@@ -160,7 +158,7 @@ TEST(Where, NamesTheBranchTheAmplitudesAndTheHarmonic) {
   EXPECT_NEAR(down.share, 1.0 / 1.01, 2e-3);
   EXPECT_NEAR(down.extent, 0.5, 2e-3);
   EXPECT_EQ(to_text(down), "while the input is falling (99 % of it)");
-  const Cell top = on(where(record, high, 0, 100), Axis::amplitude);
+  const Cell top = on(where(record, high, 0, 100), Axis::input);
   EXPECT_NEAR(top.from, 0.7, 1e-9);
   EXPECT_NEAR(top.to, 1.0, 1e-9);
   EXPECT_NEAR(top.share, 1.0, 1e-9);
@@ -171,7 +169,7 @@ TEST(Where, NamesTheBranchTheAmplitudesAndTheHarmonic) {
   EXPECT_NEAR(harmonic.extent, 1.0 / 51.0, 1e-9);
   // Counted from where the record settles, and in another unit, it is the same.
   for (double& u : record.u) u = 5.0 + 1e3 * u;
-  EXPECT_NEAR(on(where(record, high, 500, 100), Axis::amplitude).from, 5.0 + 1e3 * 0.7, 1e-6);
+  EXPECT_NEAR(on(where(record, high, 500, 100), Axis::input).from, 5.0 + 1e3 * 0.7, 1e-6);
 }
 
 TEST(Where, OfAResponseIsWidenedUntilItHoldsHalf) {

@@ -32,9 +32,8 @@ std::vector<Cell> where_of(const Value& value, std::size_t from = 0, std::size_t
   return where(triangles(), residual, from, period);
 }
 
-const Cell* find(const std::vector<Cell>& cells, Axis axis, bool of_output = false) {
-  const auto at =
-      std::ranges::find_if(cells, [&](const Cell& c) { return c.axis == axis && c.of_output == of_output; });
+const Cell* find(const std::vector<Cell>& cells, Axis axis) {
+  const auto at = std::ranges::find_if(cells, [&](const Cell& c) { return c.axis == axis; });
   return at == cells.end() ? nullptr : &*at;
 }
 
@@ -52,7 +51,7 @@ TEST(Where, AGapLiesWhereItWasPut) {
   EXPECT_EQ(time->share, 1.0);
   EXPECT_NEAR(time->extent, 0.1, 1e-12);
   // The output is a ramp: the same stretch.
-  const Cell* output = find(times, Axis::amplitude, true);
+  const Cell* output = find(times, Axis::output);
   ASSERT_NE(output, nullptr);
   EXPECT_NEAR(output->from, 0.4 * 999.0, 1e-9);
   EXPECT_LE(output->to, 0.55 * 999.0);
@@ -72,7 +71,7 @@ TEST(Where, AGapLiesWhereItWasPut) {
 
   const std::vector<double> u = triangles().u;
   const auto high = where_of([&](std::size_t i) { return u[i] > 0.81 ? noisy(i) : 0.0; });
-  const Cell* input = find(high, Axis::amplitude);
+  const Cell* input = find(high, Axis::input);
   ASSERT_NE(input, nullptr);
   EXPECT_NEAR(input->from, 0.8, 1e-9);
   EXPECT_NEAR(input->to, 1.0, 1e-9);

@@ -4,61 +4,76 @@ namespace bodesmith::kicad {
 namespace {
 
 const char* const kSmallPackage = "Package_SO:SOIC-8_3.9x4.9mm_P1.27mm";
+const char* const kSwitchPackage = "Package_SO:SOIC-16_3.9x9.9mm_P1.27mm";
 
-/// A name and a step of wire at a pin on the left or right side of a symbol; ground gets its own symbol.
-void name_pin(Cell& cell, Point at, const std::string& net, bool left) {
-  if (net == "0") {
-    const Point end = at + Point{left ? -2 : 2, 0};
-    cell.drawing.wire(at, end, net);
-    cell.drawing.supply("GND", end, net);
-    return;
-  }
-  cell.drawing.wire(at, at + Point{left ? -1 : 1, 0}, net);
-  cell.drawing.label({at + Point{left ? -1 : 1, 0}, net, left});
+struct Texts {
+  double reference_x, reference_y, value_x, value_y;
+  bool to_right;  ///< of there, instead of centred
+};
+
+void place_texts(Symbol& symbol, const Texts& texts) {
+  symbol.reference_mm[0] = texts.reference_x;
+  symbol.reference_mm[1] = texts.reference_y;
+  symbol.value_mm[0] = texts.value_x;
+  symbol.value_mm[1] = texts.value_y;
+  symbol.text_to_right = texts.to_right;
 }
 
 Symbol device(const std::string& kind, const std::string& reference, const std::string& value,
-              const std::string& netlist, const std::string& footprint, std::vector<std::string> pins) {
+              const std::string& netlist, const std::string& footprint, std::vector<std::string> pins,
+              const Texts& texts = {}) {
   Symbol out;
   out.kind = kind;
   out.reference = reference;
   out.value = value;
   out.footprint = footprint;
   out.pins = std::move(pins);
+  place_texts(out, texts);
   if (!netlist.empty()) out.fields = {{"Netlist", netlist}};
   return out;
+}
+
+/// The symbol with every pin's net: its name behind a step of wire, or the supply's symbol, on the left and right two
+/// steps away.
+Cell wired(Symbol symbol, const std::vector<Tap>& pins) {
+  Cell out;
+  out.drawing.symbol(std::move(symbol), pins);
+  for (const Tap& pin : pins) {
+    const int way = pin.at.x < 0 ? -1 : pin.at.x > 0 ? 1 : 0;
+    const bool supply =
+        pin.net == "0" || pin.net == "VCC" || pin.net == "VEE" || pin.net == "V5P" || pin.net == "V5N";
+    const Point end = pin.at + Point{supply ? 2 * way : way, 0};
+    out.drawing.wire(pin.at, end, pin.net);
+    if (supply)
+      out.drawing.supply(pin.net == "0" ? "GND" : pin.net, end, pin.net);
+    else
+      out.drawing.label({end, pin.net, way < 0});
+  }
+  return out;
+}
+
+/// Pins at ground whose own symbols would stand on each other's names: a line down to one at `end`.
+void shared_ground(Cell& cell, const std::vector<Point>& pins, Point end) {
+  Point before = pins.front();
+  for (const Point pin : pins) {
+    cell.drawing.taps.push_back({pin, "0"});
+    cell.drawing.wire(pin, {end.x, pin.y}, "0");
+    cell.drawing.wire({end.x, before.y}, {end.x, pin.y}, "0");
+    before = pin;
+  }
+  cell.drawing.wire({end.x, before.y}, end, "0");
+  cell.drawing.supply("GND", end, "0");
 }
 
 }  // namespace
 
 Cell multiplier_cell(const std::string& reference, const std::string& value, const std::string& netlist,
                      const std::string& x, const std::string& y, const std::string& z, const std::string& w) {
-  Cell out;
-  Symbol symbol =
-      device("AD835", reference, value, netlist, kSmallPackage, {"1", "2", "3", "4", "5", "6", "7", "8"});
-  symbol.text_to_right = true;
-  symbol.reference_mm[0] = symbol.value_mm[0] = 2.54;
-  symbol.reference_mm[1] = -11.43;
-  symbol.value_mm[1] = 11.43;
-  out.drawing.symbol(std::move(symbol), {{{-8, 2}, y},
-                                         {{-8, 4}, "0"},
-                                         {{0, 10}, "V5N"},
-                                         {{-8, 6}, z},
-                                         {{8, 0}, w},
-                                         {{0, -10}, "V5P"},
-                                         {{-8, -2}, "0"},
-                                         {{-8, -4}, x}});
-  name_pin(out, {-8, -4}, x, true);
-  name_pin(out, {-8, 2}, y, true);
-  name_pin(out, {-8, 6}, z, true);
-  // Both other inputs share a ground line.
-  for (const int row : {-2, 4}) out.drawing.wire({-8, row}, {-14, row}, "0");
-  out.drawing.wire({-14, -2}, {-14, 4}, "0");
-  out.drawing.supply("GND", {-14, 8}, "0");
-  out.drawing.wire({-14, 4}, {-14, 8}, "0");
-  name_pin(out, {8, 0}, w, false);
-  out.drawing.supply("V5P", {0, -10}, "V5P");
-  out.drawing.supply("V5N", {0, 10}, "V5N");
+  Cell out =
+      wired(device("AD835", reference, value, netlist, kSmallPackage,
+                   {"1", "2", "3", "4", "5", "6", "7", "8"}, {2.54, -11.43, 2.54, 11.43, true}),
+            {{{-8, -4}, x}, {{-8, 2}, y}, {{-8, 6}, z}, {{8, 0}, w}, {{0, -10}, "V5P"}, {{0, 10}, "V5N"}});
+  shared_ground(out, {{-8, -2}, {-8, 4}}, {-14, 8});
   out.drawing.reach({12, 14});
   return out;
 }
@@ -67,57 +82,34 @@ Cell contact_cell(const std::string& reference, const std::string& value, const 
                   int unit, const std::string& from, const std::string& to, const std::string& control) {
   static const char* const kPins[4][3] = {
       {"1", "3", "2"}, {"16", "14", "15"}, {"9", "11", "10"}, {"8", "6", "7"}};  // IN, S, D
-  Cell out;
   const auto& pins = kPins[unit];
-  Symbol symbol = device("ADG413", reference, value, netlist, "Package_SO:SOIC-16_3.9x9.9mm_P1.27mm",
-                         {pins[0], pins[1], pins[2]});
+  Symbol symbol = device("ADG413", reference, value, netlist, kSwitchPackage, {pins[0], pins[1], pins[2]},
+                         {0, -5.08, 0, 7.62, false});
   symbol.unit = unit + 1;
-  symbol.reference_mm[1] = -5.08;
-  symbol.value_mm[1] = 7.62;
-  out.drawing.symbol(std::move(symbol), {{{-6, 2}, control}, {{-6, 0}, from}, {{6, 0}, to}});
-  name_pin(out, {-6, 2}, control, true);
-  if (from == "0" && control == "0") {
-    // One ground for both: two next to each other stand on each other's names.
-    out.drawing.wire({-6, 0}, {-8, 0}, from);
-    out.drawing.wire({-8, 0}, {-8, 2}, from);
-  } else {
-    name_pin(out, {-6, 0}, from, true);
-  }
-  name_pin(out, {6, 0}, to, false);
+  std::vector<Tap> taps = {{{6, 0}, to}};
+  const bool grounded = from == "0" && control == "0";
+  if (!grounded) taps.insert(taps.end(), {{{-6, 0}, from}, {{-6, 2}, control}});
+  Cell out = wired(std::move(symbol), taps);
+  if (grounded) shared_ground(out, {{-6, 0}, {-6, 2}}, {-8, 2});
   out.drawing.reach({8, -6});
   out.drawing.reach({8, 8});
   return out;
 }
 
 Cell contact_supply_cell(const std::string& reference, const std::string& value) {
-  Cell out;
-  Symbol symbol =
-      device("ADG413", reference, value, "", "Package_SO:SOIC-16_3.9x9.9mm_P1.27mm", {"13", "4", "5", "12"});
+  Symbol symbol = device("ADG413", reference, value, "", kSwitchPackage, {"13", "4", "5", "12"},
+                         {6.35, -7.62, 6.35, 7.62, true});
   symbol.unit = 5;
-  symbol.text_to_right = true;
-  symbol.reference_mm[0] = symbol.value_mm[0] = 6.35;
-  symbol.reference_mm[1] = -7.62;
-  symbol.value_mm[1] = 7.62;
-  out.drawing.symbol(std::move(symbol), {{{0, -8}, "VCC"}, {{0, 8}, "VEE"}, {{-6, 0}, "0"}, {{6, 0}, "V5P"}});
-  out.drawing.supply("VCC", {0, -8}, "VCC");
-  out.drawing.supply("VEE", {0, 8}, "VEE");
-  out.drawing.wire({-6, 0}, {-8, 0}, "0");
-  out.drawing.supply("GND", {-8, 0}, "0");
-  out.drawing.wire({6, 0}, {8, 0}, "V5P");
-  out.drawing.supply("V5P", {8, 0}, "V5P");
+  Cell out = wired(std::move(symbol), {{{0, -8}, "VCC"}, {{0, 8}, "VEE"}, {{-6, 0}, "0"}, {{6, 0}, "V5P"}});
   out.drawing.reach({16, 12});
   return out;
 }
 
 Cell diode_cell(const std::string& reference, const std::string& value, const std::string& netlist,
                 const std::string& anode, const std::string& cathode) {
-  Cell out;
-  Symbol symbol = device("D", reference, value, netlist, "Diode_SMD:D_SOD-123", {"1", "2"});
-  symbol.reference_mm[1] = -2.54;
-  symbol.value_mm[1] = 2.54;
-  out.drawing.symbol(std::move(symbol), {{{3, 0}, cathode}, {{-3, 0}, anode}});
-  name_pin(out, {-3, 0}, anode, true);
-  name_pin(out, {3, 0}, cathode, false);
+  Cell out = wired(
+      device("D", reference, value, netlist, "Diode_SMD:D_SOD-123", {"1", "2"}, {0, -2.54, 0, 2.54, false}),
+      {{{-3, 0}, anode}, {{3, 0}, cathode}});
   out.drawing.reach({3, -4});
   out.drawing.reach({3, 4});
   return out;
@@ -125,33 +117,18 @@ Cell diode_cell(const std::string& reference, const std::string& value, const st
 
 Cell reference_cell(const std::string& reference, const std::string& value, const std::string& netlist,
                     const std::string& net) {
-  Cell out;
-  Symbol symbol = device("VoltageReference", reference, value, netlist, kSmallPackage, {"2", "6", "4"});
-  symbol.text_to_right = true;
-  symbol.reference_mm[0] = -5.08;
-  symbol.reference_mm[1] = -6.35;
-  symbol.value_mm[0] = 6.35;
-  symbol.value_mm[1] = 3.81;
-  out.drawing.symbol(std::move(symbol), {{{-6, 0}, "V5P"}, {{6, 0}, net}, {{0, 6}, "0"}});
-  out.drawing.wire({-6, 0}, {-8, 0}, "V5P");
-  out.drawing.supply("V5P", {-8, 0}, "V5P");
-  name_pin(out, {6, 0}, net, false);
-  out.drawing.supply("GND", {0, 6}, "0");
+  Cell out = wired(device("VoltageReference", reference, value, netlist, kSmallPackage, {"2", "6", "4"},
+                          {-5.08, -6.35, 6.35, 3.81, true}),
+                   {{{-6, 0}, "V5P"}, {{6, 0}, net}, {{0, 6}, "0"}});
   out.drawing.reach({18, -7});
   return out;
 }
 
 Cell connector_cell(const std::string& reference, const std::string& net) {
-  Cell out;
-  Symbol symbol = device("Conn_1x02", reference, net, "",
-                         "Connector_PinHeader_2.54mm:PinHeader_1x02_P2.54mm_Vertical", {"1", "2"});
-  symbol.reference_mm[1] = -5.08;
-  symbol.value_mm[1] = 6.35;
-  out.drawing.symbol(std::move(symbol), {{{4, 0}, net}, {{4, 2}, "0"}});
-  out.drawing.wire({4, 0}, {6, 0}, net);
-  out.drawing.label({{6, 0}, net, false});
-  out.drawing.wire({4, 2}, {6, 2}, "0");
-  out.drawing.supply("GND", {6, 2}, "0");
+  Cell out = wired(
+      device("Conn_1x02", reference, net, "", "Connector_PinHeader_2.54mm:PinHeader_1x02_P2.54mm_Vertical",
+             {"1", "2"}, {0, -5.08, 0, 6.35, false}),
+      {{{4, 0}, net}, {{4, 2}, "0"}});
   out.drawing.reach({-3, -5});
   return out;
 }
@@ -160,11 +137,10 @@ Cell supply_connector_cell(const std::string& reference, const std::string& posi
                            const std::string& negative) {
   Cell out;
   Drawing& drawing = out.drawing;
-  Symbol symbol = device("Conn_1x03", reference, "supply", "",
-                         "Connector_PinHeader_2.54mm:PinHeader_1x03_P2.54mm_Vertical", {"1", "2", "3"});
-  symbol.reference_mm[1] = -5.08;
-  symbol.value_mm[1] = 6.35;
-  drawing.symbol(std::move(symbol), {{{4, -2}, positive}, {{4, 0}, "0"}, {{4, 2}, negative}});
+  drawing.symbol(device("Conn_1x03", reference, "supply", "",
+                        "Connector_PinHeader_2.54mm:PinHeader_1x03_P2.54mm_Vertical", {"1", "2", "3"},
+                        {0, -5.08, 0, 6.35, false}),
+                 {{{4, -2}, positive}, {{4, 0}, "0"}, {{4, 2}, negative}});
   drawing.reach({-3, -5});
   drawing.wire({4, -2}, {16, -2}, positive);
   drawing.supply(positive, {8, -2}, positive);
@@ -182,17 +158,11 @@ Cell supply_connector_cell(const std::string& reference, const std::string& posi
 }
 
 Cell package_supply_cell(Symbol unit, const std::array<std::string, 2>& capacitors) {
-  Cell out;
-  Drawing& drawing = out.drawing;
   const int name = static_cast<int>(unit.value.size()) + 1;
-  unit.text_to_right = true;
-  unit.reference_mm[0] = unit.value_mm[0] = 1.27;
-  unit.reference_mm[1] = -1.27;
-  unit.value_mm[1] = 1.27;
-  drawing.symbol(std::move(unit), {{{0, -6}, "VCC"}, {{0, 6}, "VEE"}});
+  place_texts(unit, {1.27, -1.27, 1.27, 1.27, true});
+  Cell out = wired(std::move(unit), {{{0, -6}, "VCC"}, {{0, 6}, "VEE"}});
+  Drawing& drawing = out.drawing;
   drawing.reach({name, 0});
-  drawing.supply("VCC", {0, -6}, "VCC");
-  drawing.supply("VEE", {0, 6}, "VEE");
   for (const bool upper : {true, false}) {
     schematic::Part part;
     part.kind = schematic::Part::Kind::capacitor;
@@ -213,22 +183,13 @@ Cell package_supply_cell(Symbol unit, const std::array<std::string, 2>& capacito
 }
 
 Cell spare_opamp_cell(Symbol symbol) {
-  Cell out;
-  Drawing& drawing = out.drawing;
-  symbol.text_to_right = true;
-  symbol.reference_mm[0] = symbol.value_mm[0] = 2.54;
-  symbol.reference_mm[1] = -5.08;
-  symbol.value_mm[1] = 5.08;
+  place_texts(symbol, {2.54, -5.08, 2.54, 5.08, true});
   symbol.fields = {{"Netlist", "spare"}};
   const std::string net = "spare";
-  drawing.symbol(std::move(symbol), {{{-6, -2}, net}, {{-6, 2}, "0"}, {{6, 0}, net}});
-  drawing.wire({-6, -2}, {-8, -2}, net);
-  drawing.wire({-8, -2}, {-8, -7}, net);
-  drawing.wire({-8, -7}, {8, -7}, net);
-  drawing.wire({8, -7}, {8, 0}, net);
-  drawing.wire({8, 0}, {6, 0}, net);
-  drawing.wire({-6, 2}, {-8, 2}, "0");
-  drawing.supply("GND", {-8, 2}, "0");
+  Cell out = wired(std::move(symbol), {{{-6, 2}, "0"}});
+  out.drawing.taps.insert(out.drawing.taps.end(), {{{-6, -2}, net}, {{6, 0}, net}});
+  const std::vector<Point> loop = {{-6, -2}, {-8, -2}, {-8, -7}, {8, -7}, {8, 0}, {6, 0}};
+  for (std::size_t i = 1; i < loop.size(); ++i) out.drawing.wire(loop[i - 1], loop[i], net);
   return out;
 }
 

@@ -104,6 +104,7 @@ TEST(StageDisturbance, FindsPolynomialsAndGainsOfAStageWithoutLag) {
     EXPECT_EQ(found.loops[i].held_out_turns, 3u);
   }
   EXPECT_EQ(found.varying(), Disturbance::Branch::descending);
+  EXPECT_TRUE(found.disturbance.amplitude.alpha.empty()) << "no stroke was a short one";
 }
 
 TEST(StageDisturbance, TwoRecordsOfAFrequencyAreOneGainTheirMean) {

@@ -62,6 +62,11 @@ TEST(FindRepetition, IsExactOrNone) {
   off[333] += 1e-6;
   EXPECT_FALSE(find_repetition(off));
   EXPECT_FALSE(find_repetition(std::vector<double>(100, 2.0))) << "a constant";
+  // From a fifth of the way up on a triangle is back where it began before it repeats.
+  std::vector<double> triangle;
+  for (int i = 10; i < 400; ++i) triangle.push_back(1.0 - std::abs((i % 50) / 25.0 - 1.0));
+  ASSERT_TRUE(find_repetition(triangle));
+  EXPECT_EQ(find_repetition(triangle)->samples, 50u);
 }
 
 TEST(RepetitionOf, CountsWholeCycles) {

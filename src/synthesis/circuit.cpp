@@ -55,8 +55,9 @@ Band judged_band(const Sections& sections) {
   if (states_a_band(sections)) return sections.error->band;
   const Band corners = sections.corner_band();
   if (corners.to.value == 0.0) return {Hertz{1.0}, Hertz{1000.0}};
-  // One corner is no band.
-  if (!(corners.to > corners.from)) return {Hertz{corners.from.value / 10.0}, Hertz{corners.to.value * 10.0}};
+  // One corner is no band, however its zeros and poles round (a peaking equaliser's).
+  if (corners.to.value < 1.000001 * corners.from.value)
+    return {Hertz{corners.from.value / 10.0}, Hertz{corners.to.value * 10.0}};
   return corners;
 }
 

@@ -98,6 +98,15 @@ TEST(RealiseSearch, AFreeChoiceNeverFallsShortMore) {
   EXPECT_EQ(other.passed_over.size(), other.best.how == "opamp-rc" ? 0u : 1u);
 }
 
+/// A peaking equaliser's pole and zero at 700 Hz differ in their last digits.
+TEST(RealiseSearch, OneCornerIsJudgedADecadeToEitherSideHoweverItRounds) {
+  Sections one;
+  one.sections.push_back(Section::pole_zero(1.0, RadPerSecond{1000.0 * (1.0 + 1e-15)}, RadPerSecond{1000.0}));
+  const Band band = judged_band(one);
+  EXPECT_NEAR(band.from.value, 100.0 / (2.0 * M_PI), 1e-9);
+  EXPECT_NEAR(band.to.value, 10000.0 / (2.0 * M_PI), 1e-9);
+}
+
 TEST(RealiseSearch, ErrorAndMarginAreJudgedInTheSectionsOwnBand) {
   Sections sections = seed_sections();
   EXPECT_LT(judged_band(sections).from.value, 3.0);

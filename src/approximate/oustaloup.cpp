@@ -43,7 +43,8 @@ class RefinedOustaloup final : public Method {
 
 Outcome<NormalisedApproximation> RefinedOustaloup::approximate(const ApproximationTask& task) const {
   if (task.order < 3)
-    return Refusal{"refined-oustaloup needs an order of at least 3 (its correction takes 2)"};
+    return Refusal{
+        "refined-oustaloup needs an order of at least 3 plus whole powers (its correction takes 2)"};
   const double widen = 10.0 / 9.0;
   const double r = std::sqrt(task.kappa);
   const double wide = r * widen;

@@ -292,6 +292,10 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
     const int style = po::command_line_style::default_style & ~po::command_line_style::allow_guessing;
     const auto parsed = po::command_line_parser(arguments).options(all).positional(places).style(style).run();
     refuse_negative_counts(*this, parsed);
+    for (const auto& option : parsed.options) {
+      if (option.position_key >= 0 || !std::ranges::count(option.value, "")) continue;
+      fail(option.string_key == "output" ? "-o is empty" : fmt::format("--{} is empty", option.string_key));
+    }
     po::store(parsed, options_->values);
     if (has_value("help")) {
       show_help();
@@ -310,7 +314,6 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
     fail(fmt::format("'{}' is one file too many", files()[static_cast<std::size_t>(max_files_)]));
   }
   if (output_needed_ && !has_value("output")) fail("-o is missing, expected where to write the result");
-  if (has_value("output") && get<std::string>("output").empty()) fail("-o is empty");
   if (quiet()) be_quiet();
   if (has_value("output")) {
     ask_before_writing([this, output = output_path().lexically_normal()](const std::filesystem::path& path) {

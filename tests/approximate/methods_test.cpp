@@ -127,6 +127,12 @@ TEST(Charef, SingularitiesAreOustaloupsOnceTheirNumberIsFixed) {
 
 TEST(RefinedOustaloup, RefusesWhatItCannotDo) {
   EXPECT_THROW(make("refined-oustaloup", 10, 0.5, 2), DesignError);
+  try {
+    make("refined-oustaloup", 10, 2.5, 4);
+    FAIL() << "an order of 4 for two whole powers and a correction of order 2";
+  } catch (const DesignError& error) {
+    EXPECT_NE(std::string(error.what()).find("3 plus whole powers"), std::string::npos) << error.what();
+  }
   EXPECT_LT(error_db("refined-oustaloup", 1e3, 0.5, 7), 0.5);
 }
 

@@ -45,7 +45,9 @@ std::vector<Hertz> choose_grid(const CommandLine& line, const std::vector<Respon
   for (const ResponseSource& source : sources) {
     if (!source.band) continue;
     const double margin = source.own_frequencies.empty() ? 10.0 : 1.0;
-    band.from = std::min(band.from, Hertz{source.band->from.value / margin});
+    // A loop with an integrator may cross 1 a decade below its lowest corner: tune's PID does so by default.
+    const double below = line.has("margins") && margin > 1.0 ? 100.0 : margin;
+    band.from = std::min(band.from, Hertz{source.band->from.value / below});
     band.to = std::max(band.to, Hertz{source.band->to.value * margin});
   }
   if (band.from > band.to) band = {Hertz{1.0}, Hertz{1e5}};
@@ -220,7 +222,8 @@ int run_bode(const std::vector<std::string>& arguments) {
       "bode", "bodesmith bode cascade.json sections.json plan.json compensator.sub measured.csv -o bode.csv",
       "Frequency responses of any of these files in one table: magnitude in dB and unwrapped phase in\n"
       "degrees. A measured response is interpolated in log frequency; cells outside its range stay empty.\n"
-      "Without a band the grid is that of the first measured one, else a decade beyond all corners.");
+      "Without a band the grid is that of the first measured one, else a decade beyond all corners\n"
+      "(with --margins two below them).");
   declare_bode(line);
   line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
@@ -260,6 +263,7 @@ int run_bode(const std::vector<std::string>& arguments) {
   if (line.has("svg"))
     out.add(line.get<std::string>("svg"), BodePicture(grid, sources, columns, extra).svg());
   add_loop_files(line, responses, out);
+  if (!to_file) line.refuse_unread();
   out.commit();
   // Without -o the table is the answer, unless margins were asked for.
   if (!to_file && !line.json() && !margins) {

@@ -82,7 +82,8 @@ int identify_disturbance_mode(const CommandLine& line) {
       line.fail(
           fmt::format("--{} does not go with --disturbance, which holds out every second turn", option));
   const std::optional<GainReading> reading = reading_wanted(line);
-  Provenance from;
+  const auto limit = line.maybe_positive("max-error-percent");
+  Provenance from = line.new_provenance();
   std::vector<TimeRecord> records;
   for (const std::string& file : line.files()) records.push_back(TimeRecord::read_csv(file, from, true));
   const Stopwatch watch;
@@ -97,13 +98,14 @@ int identify_disturbance_mode(const CommandLine& line) {
       line.fail("--gains needs records of two frequencies at least");
     files.add(line.get<std::string>("gains"), study.gains_csv());
   }
+  line.refuse_unread();  // there is no -o before which it is asked
   files.commit();
   for (const std::string& one : study.notes) note(one);
 
   Json json = timed_document("disturbance_identification", from, study.to_json(), seconds);
   bool met = true;
   std::string text = disturbance_summary(study);
-  if (const auto limit = line.maybe_positive("max-error-percent")) {
+  if (limit) {
     for (const LoopAtFrequency& one : study.loops)
       met = met &&
             (study.reading == GainReading::as_printed ? one.as_printed_percent : one.gain_percent) <= *limit;

@@ -181,6 +181,33 @@ TEST_F(HardInputs, OutputsReplaceNoInputAndStandTogether) {
   EXPECT_EQ(slow.status, 0) << slow.err;
 }
 
+/// What is refused writes nothing, whichever option names its files.
+TEST_F(HardInputs, WhatIsRefusedLeavesNoFileOfAnyOption) {
+  std::string timed = "time_s,u,y\n", bare = "u,y\n";
+  for (int i = 0; i < 400; ++i) {
+    const double x = i % 100 < 50 ? i % 100 / 50.0 : 2.0 - i % 100 / 50.0;
+    const std::string row = fmt::format("{},{}\n", x, x + (i % 100 < 50 ? 0.3 : -0.2) * x * (1.0 - x));
+    timed += fmt::format("{},{}", i * 0.01, row);
+    bare += row;
+  }
+  write("loop.csv", timed);
+  write("bare.csv", bare);
+  write("a.json", lags(1.0, 0.0));
+  const auto stage = [&](const std::string& record) {
+    return "identify " + at(record) + " --disturbance " + at("d.json");
+  };
+  for (const std::string& command :
+       {stage("loop.csv") + " --skip-s 1", stage("loop.csv") + " --max-error-percent -1",
+        "bode " + at("a.json") + " --svg " + at("b.svg") + " --samples 7",
+        "bode " + at("a.json") + " -o " + at("b.csv") + " --nyquist-svg ''"}) {
+    refusal(command);
+    for (const char* name : {"d.json", "b.svg", "b.csv"})
+      EXPECT_FALSE(std::filesystem::exists(at(name))) << command << ": " << name;
+  }
+  EXPECT_THAT(refusal("bode " + at("a.json") + " --nyquist-svg ''"), HasSubstr("--nyquist-svg is empty"));
+  EXPECT_EQ(run_bodesmith(stage("bare.csv") + " --sample-hz 100").status, 0);
+}
+
 /// Zeros on the axis: judged where there is a response. (A band stop once never ended.)
 TEST_F(HardInputs, FiltersWithZerosOnTheAxisAreBuilt) {
   for (const char* design :

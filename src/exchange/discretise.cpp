@@ -138,7 +138,8 @@ DigitalFilter::Error error_of(const DigitalFilter& filter, const Sections& secti
     return sections.response(s) * std::exp(s * sections.delay_s);
   };
   const auto got = [&filter](RadPerSecond w) { return filter.response(w.hz()); };
-  return {judge_responses(at_each(got), at_each(wanted), band), band};
+  const bool steep = has_flanks([&](Hertz f) { return wanted(f.rad_s()); }, band);
+  return {judge_responses(at_each(got), at_each(wanted), band), band, steep ? kFlanksText : ""};
 }
 
 }  // namespace

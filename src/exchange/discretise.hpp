@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -46,6 +47,7 @@ struct DigitalFilter {
     /// From a tenth of the lowest corner to ten times the highest, at most 0.45 of the sampling rate; where the sections have
     /// kJudgedFloor of their largest magnitude there.
     Band band;
+    std::string steep;  ///< of a response with flanks: how errors are told there (lti/steep_flanks.hpp)
   } error;
 
   Complex response(Hertz f) const;

@@ -1,7 +1,7 @@
 /* {{source}} as digital biquads, written by bodesmith.
  *
  * H(z) = {{upper}}_GAIN * prod_i (b0 + b1/z + b2/z^2)/(1 + a1/z + a2/z^2) at {{sample_hz}} Hz, by {{method}}, {{at}}.
- * Against the analog sections it is off by at most {{error}}.
+ * Against the analog sections it is off by at most {{error}}{{steep}}.
  * {{delay}}
  *
  *   {{name}}_state s = { 0 };

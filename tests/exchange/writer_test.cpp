@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -12,6 +13,7 @@
 #include "exchange/writer.hpp"
 #include "kept_text.hpp"
 #include "lti/frequency_grid.hpp"
+#include "lti/steep_flanks.hpp"
 #include "run_program.hpp"
 #include "temporary_folder.hpp"
 
@@ -265,6 +267,25 @@ TEST(Discretise, TheErrorToldIsTheLargestThereIs) {
   }
   EXPECT_THROW(digital(Discretisation::tustin, 150.0), InputError);
   EXPECT_THROW(digital(Discretisation::tustin, 8000.0, Hertz{4000.0}), InputError);
+}
+
+/// A shifted notch is tens of decibels off at its own frequency: who reads the smaller figure is told what it means.
+TEST(Export, ErrorsToldAsShiftsSaySo) {
+  Exportable from = designed();
+  from.sections->sections.push_back({1.0,
+                                     {Complex(0.0, 6000.0), Complex(0.0, -6000.0)},
+                                     {Complex(-3000.0, 5000.0), Complex(-3000.0, -5000.0)}});
+  ExportOptions options;
+  options.discretise.sample_hz = 48000.0;
+  const auto tells = [&](const char* name) {
+    const Written out = writer_for(name).write(from, options);
+    return out.content.find(kFlanksText) != std::string::npos &&
+           std::ranges::count(out.said, std::string(kFlanksText)) == 1;
+  };
+  EXPECT_TRUE(tells("f.c"));
+  EXPECT_TRUE(tells("f.vh"));
+  from.sections->sections.back().zeros.clear();
+  EXPECT_FALSE(tells("f.c"));
 }
 
 TEST(Export, TheCFileFiltersAsItsBiquadsSay) {

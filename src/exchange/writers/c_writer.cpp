@@ -31,6 +31,7 @@ class CWriter : public Writer {
     out.said.push_back(fmt::format("{} biquads by {} at {}: off by {}", filter.biquads.size(),
                                    to_string(filter.method), engineering_text(filter.sample_hz, "Hz", 6),
                                    error_text(filter.error)));
+    if (!filter.error.steep.empty()) out.said.push_back(filter.error.steep);
     DiscretiseOptions other = options.discretise;
     other.method = filter.method == Discretisation::tustin ? Discretisation::matched : Discretisation::tustin;
     try {
@@ -71,6 +72,7 @@ class CWriter : public Writer {
                    ? std::string("every section exact at the corner of its poles")
                    : std::string("gains met at DC")},
         {"error", error_text(filter.error)},
+        {"steep", filter.error.steep.empty() ? "" : "; " + filter.error.steep},
         {"delay", sections.delay_s > 0.0 ? fmt::format("The delay of {} s ({} samples) is not in it.",
                                                        number_text(sections.delay_s),
                                                        rounded_text(sections.delay_s * filter.sample_hz))

@@ -48,6 +48,7 @@ class VerilogWriter : public Writer {
                  {"method", std::string(to_string(filter.method))},
                  {"error", after},
                  {"unrounded", before},
+                 {"steep", filter.error.steep.empty() ? "" : "; " + filter.error.steep},
                  {"budget", budget},
                  {"biquads", Json::array()}};
     int number = 0;
@@ -67,6 +68,7 @@ class VerilogWriter : public Writer {
         fmt::format("{} biquads of {} bits, {} behind the point, at {}: off by {} ({} before rounding)",
                     filter.biquads.size(), options.bits, filter.fraction_bits,
                     engineering_text(filter.sample_hz, "Hz", 6), after, before));
+    if (!filter.error.steep.empty()) out.said.push_back(filter.error.steep);
     out.said.push_back(budget);
     if (fastest < filter.sample_hz)
       out.said.push_back(

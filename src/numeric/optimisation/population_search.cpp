@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/progress.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith {
@@ -22,6 +23,7 @@ PsoCuckooResult pso_cuckoo(const std::function<double(const Eigen::VectorXd&)>& 
   PsoCuckooResult out;
   out.cost = std::numeric_limits<double>::infinity();
   const auto judge = [&](const Eigen::VectorXd& at) {
+    stop_if_interrupted();
     ++out.evaluations;
     return cost(at);
   };
@@ -96,6 +98,7 @@ DifferentialEvolutionResult differential_evolution(const std::function<double(co
   std::vector<Individual> all(count);
   DifferentialEvolutionResult out;
   const auto judge = [&](const Eigen::VectorXd& x) {
+    stop_if_interrupted();
     ++out.evaluations;
     const double value = cost(x);
     return value == value ? value : std::numeric_limits<double>::infinity();

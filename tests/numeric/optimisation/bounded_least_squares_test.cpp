@@ -7,6 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "base/error.hpp"
+#include "base/progress.hpp"
 #include "numeric/optimisation/bounded_least_squares.hpp"
 #include "numeric/optimisation/constrained_programs.hpp"
 #include "numeric/optimisation/population_search.hpp"
@@ -41,6 +43,14 @@ TEST(ParticleSwarm, FindsTheDeepestOfManyMinimaWithinTheBounds) {
   const VectorXd low = VectorXd::Constant(3, -4.0), high = VectorXd::Constant(3, 0.4);
   const auto found = pso_cuckoo(rastrigin, low, high, {});
   for (const double v : found.x) EXPECT_NEAR(v, 0.4, 1e-3);  // the bound nearest to the minimum
+}
+
+TEST(PopulationSearch, EndsWhenItIsAskedToStop) {
+  const VectorXd low = VectorXd::Constant(3, -4.0), high = VectorXd::Constant(3, 4.0);
+  ask_to_stop();
+  EXPECT_THROW(differential_evolution(rastrigin, low, high, {}), Interrupted);
+  EXPECT_THROW(pso_cuckoo(rastrigin, low, high, {}), Interrupted);
+  forget_interruption();
 }
 
 TEST(QuadraticProgram, MeetsItsConstraints) {

@@ -102,7 +102,8 @@ void add_settling(const Plan& plan, ErrorBudget& out) {
   for (std::size_t n = 0; n < cams.size(); ++n) {
     const auto stage = cams[n]->cam->switches(*cams[n]);
     if (!stage) continue;
-    out.cams[n].settling_percent = 100.0 * unsettled_share(*stage, out.opamp, cams[n]->clock_a);
+    out.cams[n].settling_percent =
+        100.0 * unsettled_share(*stage, out.opamp, cams[n]->clock_a, plan.error.band.to);
     out.settling_percent += out.cams[n].settling_percent;
   }
 }

@@ -26,15 +26,15 @@ struct ErrorBudget {
     double noise_kt_per_cu =
         0.0;  ///< mean square at the plan's output up to half the fastest clock, in kT/C_u
     double noise_in_band_kt_per_cu = 0.0;
-    double settling_percent = 0.0;  ///< of its largest step (settling.hpp)
+    double settling_percent = 0.0;  ///< of its largest step, and how late it follows (settling.hpp)
   };
   std::vector<CamShare> cams;
   double settling_limit_hz = 0.0;
   double noise_kt_per_cu = 0.0;
   double noise_in_band_kt_per_cu = 0.0;
 
-  /// Op-amps with this bandwidth and gain do not settle whole in half a period: at most the sum of what each CAM
-  /// leaves of its step.
+  /// Op-amps with this bandwidth and gain do not settle whole in half a period, and follow late: at most the sum of what each
+  /// CAM leaves of its step and is behind at the band's upper end.
   schematic::OpAmpModel opamp;
   double settling_percent = 0.0;
 

@@ -72,7 +72,6 @@ def simulate(
     start: Literal["zero", "equilibrium"] | None = None,
     tolerance: float = 1e-8,
     oversample: int = 1,
-    degree: int = 0,
     estimate_error: bool = True,
     controller: Mapping[str, Any] | None = None,
     feedforward: Model | ArrayLike | None = None,
@@ -86,7 +85,7 @@ def simulate(
         engine: automatic: in closed form where there is one, else from sample to sample, refined until `tolerance` is met;
             exact: closed form or InputError; record: from sample to sample with one step; cvode: as an ODE with events.
         start: states zero, or at rest under the first input; None: what the model's own `start` says, zero where it has none.
-        oversample, degree: record: steps a sample interval, degree of the hold (0: as the model needs).
+        oversample: record: steps a sample interval.
         estimate_error: a second, finer run (record, cvode).
         controller: closes a loop round the model, which then follows u as its reference: {"type": "pid", "kp": …,
             "ki_per_s": …, "kd_s": …, "derivative_corner_hz": …, "sample_s": …, "lower": …, "upper": …}.
@@ -101,7 +100,6 @@ def simulate(
         "start": start,
         "tolerance": tolerance,
         "oversample": oversample,
-        "degree": degree,
         "estimate_error": estimate_error,
     }
     arrays = {"u": record.u}

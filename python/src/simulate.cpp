@@ -23,7 +23,6 @@ simulate::Options simulation_options(const Node& o) {
   out.relative_tolerance = positive_or(o, "tolerance", out.relative_tolerance);
   out.absolute_tolerance = 1e-2 * out.relative_tolerance;
   out.oversample = static_cast<std::size_t>(integer_or(o, "oversample", 1, 1, 1024));
-  out.degree = static_cast<std::size_t>(integer_or(o, "degree", 0, 0, 4));
   out.estimate_error = o.boolean_or("estimate_error", true);
   return out;
 }
@@ -78,8 +77,8 @@ invert::Options compensation_options(const Node& o, const chain::Chain& model) {
 
 Answer simulate_model(const Call& call) {
   const Node& o = call.options;
-  o.allow_only({"model", "step_s", "start_s", "engine", "start", "tolerance", "oversample", "degree",
-                "estimate_error", "controller", "feedforward"});
+  o.allow_only({"model", "step_s", "start_s", "engine", "start", "tolerance", "oversample", "estimate_error",
+                "controller", "feedforward"});
   const chain::Chain model = chain::model_from_node(o.at("model"));
   const simulate::Options options = simulation_options(o);
   const auto u = call.array("u");

@@ -1,7 +1,6 @@
 #include "simulate/hold_response.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "numeric/linear_algebra/dense.hpp"
 
@@ -16,9 +15,6 @@ HoldNodes nodes_of_degree(std::size_t degree) {
   switch (degree) {
     case 1:
       n.at = {0.0, 1.0};
-      break;
-    case 2:
-      n.at = {0.0, 0.5, 1.0};
       break;
     case 3:
       n.at = {0.0, 0.5 - 0.5 * r, 0.5 + 0.5 * r, 1.0};
@@ -76,10 +72,9 @@ double HoldNodes::slope(const double* nodes, double s) const {
 }
 
 const HoldNodes& hold_nodes(std::size_t degree) {
-  static const std::array<HoldNodes, kMaxDegree> all = {nodes_of_degree(1), nodes_of_degree(2),
-                                                        nodes_of_degree(3), nodes_of_degree(4)};
-  if (degree < 1 || degree > kMaxDegree) throw std::logic_error("hold degree out of range");
-  return all[degree - 1];
+  static const HoldNodes straight = nodes_of_degree(1), cubic = nodes_of_degree(3),
+                         quartic = nodes_of_degree(4);
+  return degree == 1 ? straight : degree == 3 ? cubic : quartic;
 }
 
 void HoldResponseSolver::solve(const DrivenSystem& system, double h, const HoldNodes& nodes, double s,

@@ -36,7 +36,7 @@ struct HoldSpan {
   bool operator==(const HoldSpan&) const = default;
 };
 
-/// degree 1 to kMaxDegree.
+/// Degree 1 or 3 (holds of the record engine), or 4 (pieces of a DenseSignal).
 const HoldNodes& hold_nodes(std::size_t degree);
 
 /// x' = A x + sum_q b_q v_q + constant. `a` is row-major, order x order; every other array has `order`

@@ -185,11 +185,11 @@ std::vector<SweepRow> read_sweep_csv(const std::filesystem::path& path, const st
 
 std::string sweep_key(const std::string& files_sha256, const SweepOptions& options) {
   const Options& s = options.simulation;
-  return sha256_hex(fmt::format("{} {} {} {} {} {} {} {} {} {} {}", files_sha256, options.kind,
+  return sha256_hex(fmt::format("{} {} {} {} {} {} {} {} {} {}", files_sha256, options.kind,
                                 options.offset ? number_text(*options.offset) : "amplitude", options.periods,
                                 options.samples_per_period, static_cast<int>(s.engine),
                                 s.start ? std::string(to_string(*s.start)) : "model's",
-                                number_text(s.relative_tolerance), s.degree, s.oversample, s.estimate_error));
+                                number_text(s.relative_tolerance), s.oversample, s.estimate_error));
 }
 
 std::string sweep_loops_csv(const std::vector<SweepRow>& rows) {

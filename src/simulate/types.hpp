@@ -38,9 +38,8 @@ struct Options {
   std::optional<Start> start;         ///< nothing: as the model says, zero where it does not
   double relative_tolerance = 1e-8;   ///< automatic (of the largest output) and cvode
   double absolute_tolerance = 1e-10;  ///< the same, in units of the signal
-  std::size_t degree = 0;      ///< record: degree of the hold between samples, 1-4; 0: as the chain needs
-  std::size_t oversample = 1;  ///< record, grunwald_letnikov: steps a sample interval
-  bool estimate_error = true;  ///< run a second time at half the step (or a tenth of the tolerance)
+  std::size_t oversample = 1;         ///< record, grunwald_letnikov: steps a sample interval
+  bool estimate_error = true;         ///< run a second time at half the step (or a tenth of the tolerance)
 
   /// The same with a tenth of the tolerances.
   Options finer() const;
@@ -52,7 +51,7 @@ struct Stats {
   std::size_t evaluations = 0;        ///< right-hand sides (cvode)
   std::size_t restarts = 0;           ///< at corners, clock edges and events (cvode)
   std::size_t events = 0;             ///< roots found (cvode)
-  std::size_t degree = 0;             ///< record
+  std::size_t degree = 0;             ///< record: of the hold between samples, 1 where that is exact, else 3
   double compute_s = 0.0;             ///< without the error estimate
 };
 

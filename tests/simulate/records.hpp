@@ -47,11 +47,10 @@ inline Options cvode(double tolerance = 1e-11, Start start = Start::zero) {
   o.estimate_error = false;
   return o;
 }
-inline Options by_record(std::size_t oversample = 1, Start start = Start::zero, std::size_t degree = 0) {
+inline Options by_record(std::size_t oversample = 1, Start start = Start::zero) {
   Options o;
   o.engine = Engine::record;
   o.oversample = oversample;
-  o.degree = degree;
   o.start = start;
   o.estimate_error = false;
   return o;

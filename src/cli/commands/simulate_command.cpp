@@ -43,7 +43,6 @@ void declare_simulate(CommandLine& line) {
                       1e-8);
   line.option<int>("oversample",
                    "initial number of steps per sample interval (automatic, record, grunwald-letnikov)", 1);
-  line.option<int>("degree", "of the hold between samples, 1 to 4; 0: as the model needs", 0);
   line.flag("no-error-estimate", "leave out the second run (record, cvode)");
   line.option<std::string>(
       "controller",
@@ -70,7 +69,6 @@ simulate::Options read_simulation_options(const CommandLine& line) {
   options.relative_tolerance = line.positive("tolerance");
   options.absolute_tolerance = 1e-2 * options.relative_tolerance;
   options.oversample = static_cast<std::size_t>(line.integer("oversample", 1, 1024));
-  options.degree = static_cast<std::size_t>(line.integer("degree", 0, 4));
   options.estimate_error = !line.has("no-error-estimate");
   return options;
 }

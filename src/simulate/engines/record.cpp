@@ -26,9 +26,8 @@ struct RecordMethod {
   }
 };
 
-Result run_holds(const chain::Chain& chain, const SampledInput& input, Start start, std::size_t degree,
-                 std::size_t oversample) {
-  RecordOptions options{.start = start, .degree = degree, .oversample = oversample, .start_s = input.start_s};
+Result run_holds(const chain::Chain& chain, const SampledInput& input, Start start, std::size_t oversample) {
+  RecordOptions options{.start = start, .oversample = oversample, .start_s = input.start_s};
   RecordSimulator simulator(chain, input.step_s, options);
   Result out;
   out.y = simulator.run_once(input.u);
@@ -53,13 +52,12 @@ class RecordEngine final : public ChainEngine {
   }
   std::variant<Result, NoClosedForm> run(const chain::Chain& chain, const TimeRecord& input,
                                          const Options& options) const override {
-    return run_holds(chain, input, start_of(chain, options.start), options.degree, options.oversample);
+    return run_holds(chain, input, start_of(chain, options.start), options.oversample);
   }
   double estimate_error(const chain::Chain& chain, const TimeRecord& input, const Options& options,
                         const Result& result) const override {
     if (result.error_estimate) return *result.error_estimate;  // exact but for rounding
-    const Result finer =
-        run_holds(chain, input, start_of(chain, options.start), result.stats.degree, 2 * options.oversample);
+    const Result finer = run_holds(chain, input, start_of(chain, options.start), 2 * options.oversample);
     return error_figures(result.y, finer.y).max;
   }
 };
@@ -69,7 +67,7 @@ class RecordEngine final : public ChainEngine {
 BODESMITH_ENTRY(ChainEngine, record_engine, RecordEngine)
 
 Result run_record(const chain::Chain& chain, const SampledInput& input, const Options& options) {
-  return run_holds(chain, input, start_of(chain, options.start), options.degree, options.oversample);
+  return run_holds(chain, input, start_of(chain, options.start), options.oversample);
 }
 
 RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
@@ -77,14 +75,13 @@ RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& in
   constexpr std::size_t kMaxOversample = 256;
   RefinedRecord out;
   std::size_t oversample = options.oversample;
-  out.result = run_holds(chain, input, start_of(chain, options.start), options.degree, oversample);
+  out.result = run_holds(chain, input, start_of(chain, options.start), oversample);
   if (out.result.error_estimate) return out;  // exact but for rounding
   Progress progress("half the step");
   while (true) {
     stop_if_interrupted();
     progress.at(0.0, 1.0);
-    Result finer =
-        run_holds(chain, input, start_of(chain, options.start), out.result.stats.degree, 2 * oversample);
+    Result finer = run_holds(chain, input, start_of(chain, options.start), 2 * oversample);
     const double difference = error_figures(out.result.y, finer.y).max;
     double size = 0.0;
     for (const double y : finer.y) size = std::max(size, std::abs(y));

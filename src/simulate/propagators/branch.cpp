@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "numeric/optimisation/root.hpp"
-
 namespace bodesmith::simulate {
 namespace {
 
@@ -30,27 +28,6 @@ std::size_t quadratic_roots(double a, double b, double c, double* roots) {
     if (r > 0.0 && r < 1.0) roots[count++] = r;
   }
   if (count == 2 && roots[1] < roots[0]) std::swap(roots[0], roots[1]);
-  return count;
-}
-
-/// Roots of a slope of degree <= 3 inside (0, 1), rising: where the sign changes between samples of it.
-std::size_t turning_points(const double* slope, std::size_t degree, double* roots) {
-  if (degree == 2) return quadratic_roots(slope[2], slope[1], slope[0], roots);
-  const auto at = [&](double s) {
-    double sum = 0.0;
-    for (std::size_t k = degree + 1; k-- > 0;) sum = sum * s + slope[k];
-    return sum;
-  };
-  std::size_t count = 0;
-  constexpr int kLooks = 12;
-  double left = at(0.0);
-  for (int k = 1; k <= kLooks && count < degree; ++k) {
-    const double low = static_cast<double>(k - 1) / kLooks;
-    const double high = static_cast<double>(k) / kLooks;
-    const double right = at(high);
-    if (left * right < 0.0) roots[count++] = root_between(at, low, left, high, right);
-    left = right;
-  }
   return count;
 }
 
@@ -81,15 +58,15 @@ void BranchPropagator::find_turns(const double* v, double last, double noise, co
   if (std::abs(v[0] - last) > noise) turn(0.0, v[0] > last);
   if (is_constant(v)) return;  // behind a clocked hold most are
   // The slope's polynomial, and the directions between its roots.
-  double slope[kMaxDegree] = {};
-  double roots[kMaxDegree + 1];
+  double slope[3] = {};
+  double roots[3];
   std::size_t count = 0;
-  if (p > 1) {
+  if (p == 3) {
     for (std::size_t k = 1; k <= p; ++k) {
       for (std::size_t j = 0; j <= p; ++j)
         slope[k - 1] += static_cast<double>(k) * nodes_->monomial[k][j] * v[j];
     }
-    count = turning_points(slope, p - 1, roots);
+    count = quadratic_roots(slope[2], slope[1], slope[0], roots);
   }
   roots[count] = 1.0;
   const bool doubted = place_.kinked && is_monotone(v);

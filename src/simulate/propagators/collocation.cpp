@@ -11,7 +11,8 @@ namespace {
 
 /// LU factors of a small matrix without pivoting: it is near 1 wherever the step is short enough to converge.
 /// False when a pivot is not.
-bool factorise_near_one(double (&matrix)[kMaxDegree][kMaxDegree], std::size_t p) {
+bool factorise_near_one(double (&matrix)[3][3]) {
+  constexpr std::size_t p = 3;
   for (std::size_t k = 0; k < p; ++k) {
     if (!(std::abs(matrix[k][k]) > 1e-3)) return false;
     for (std::size_t i = k + 1; i < p; ++i) {
@@ -41,30 +42,25 @@ double fastest_turn(const StateSpace& system) {
 
 }  // namespace
 
-void CollocationPropagator::prepare(const chain::OdeKernel& system, double h, const HoldNodes& nodes,
-                                    const Limits& limits) {
+void CollocationPropagator::prepare(const chain::OdeKernel& system, double h, const Limits& limits) {
   limits_ = limits;
   h_ = h;
   order_ = system.linear().order();
-  degree_ = nodes.degree;
-  nodes_ = &nodes;
   levels_.resize(kFinest + 1);
   for (Level& l : levels_) l.ready = false;
   const double turn = fastest_turn(system.linear()) * h / limits.max_turn_rad;
   const double halvings = std::ceil(std::log2(std::max(std::numeric_limits<double>::min(), turn)));
   first_level_ = whole_number<std::size_t>(std::clamp(halvings, 0.0, static_cast<double>(kFinest)));
-  if (parts_degree_ != degree_) {
-    parts_degree_ = degree_;
-    parts_.clear();
+  if (parts_.empty()) {
     for (std::size_t index = 1; index <= kTabled; ++index) {
       const std::size_t count = std::size_t{1} << index;
       for (std::size_t k = 0; k < count; ++k)
         parts_.push_back(make_part(index, static_cast<double>(k) / static_cast<double>(count)));
     }
   }
-  states_.assign(nodes.size() * order_, 0.0);
+  states_.assign(kWidth * order_, 0.0);
   base_.assign(states_.size(), 0.0);
-  force_.assign(nodes.size(), 0.0);
+  force_.assign(kWidth, 0.0);
   gradient_.assign(order_, 0.0);
 }
 
@@ -73,18 +69,17 @@ const CollocationPropagator::Level& CollocationPropagator::level(const chain::Od
   Level& l = levels_[index];
   if (l.ready) return l;
   const std::size_t n = order_;
-  const std::size_t width = degree_ + 1;
-  l.e.resize(width * n * n);
-  l.gu.resize(width * n * width);
-  l.ge.resize(width * n * width);
-  l.k.resize(width * n);
+  l.e.resize(kWidth * n * n);
+  l.gu.resize(kWidth * n * kWidth);
+  l.ge.resize(kWidth * n * kWidth);
+  l.k.resize(kWidth * n);
   const std::array<const double*, 2> inputs = {system.linear().b.data(), system.entry().data()};
   const DrivenSystem dynamics = driven(system.linear(), inputs);
-  for (std::size_t i = 1; i < width; ++i) {
-    solver_.solve(dynamics, std::ldexp(h_, -static_cast<int>(index)), *nodes_, nodes_->at[i], response_);
+  for (std::size_t i = 1; i < kWidth; ++i) {
+    solver_.solve(dynamics, std::ldexp(h_, -static_cast<int>(index)), nodes_, nodes_.at[i], response_);
     std::copy(response_.e.begin(), response_.e.end(), l.e.data() + i * n * n);
-    std::copy(response_.g[0].begin(), response_.g[0].end(), l.gu.data() + i * n * width);
-    std::copy(response_.g[1].begin(), response_.g[1].end(), l.ge.data() + i * n * width);
+    std::copy(response_.g[0].begin(), response_.g[0].end(), l.gu.data() + i * n * kWidth);
+    std::copy(response_.g[1].begin(), response_.g[1].end(), l.ge.data() + i * n * kWidth);
     std::copy(response_.k.begin(), response_.k.end(), l.k.data() + i * n);
   }
   l.ready = true;
@@ -92,18 +87,17 @@ const CollocationPropagator::Level& CollocationPropagator::level(const chain::Od
 }
 
 CollocationPropagator::Part CollocationPropagator::make_part(std::size_t index, double from) const {
-  const std::size_t width = degree_ + 1;
   const double size = std::ldexp(1.0, -static_cast<int>(index));
   Part p;
-  p.first = width;
-  for (std::size_t i = 0; i < width; ++i) {
-    nodes_->weights(from + size * nodes_->at[i], p.inward + i * width);
-    const double s = (nodes_->at[i] - from) / size;
+  p.first = kWidth;
+  for (std::size_t i = 0; i < kWidth; ++i) {
+    nodes_.weights(from + size * nodes_.at[i], p.inward + i * kWidth);
+    const double s = (nodes_.at[i] - from) / size;
     const bool mine = i == 0 ? from == 0.0 : s > 0.0 && s <= 1.0;
     if (!mine) continue;
     p.first = std::min(p.first, i);
     p.end = i + 1;
-    nodes_->weights(s, p.outward + i * width);
+    nodes_.weights(s, p.outward + i * kWidth);
   }
   return p;
 }
@@ -118,18 +112,14 @@ const CollocationPropagator::Part& CollocationPropagator::part(std::size_t index
 
 bool CollocationPropagator::step(const chain::OdeKernel& system, const Level& m, const double* u,
                                  const double* x) {
-  if (order_ == 2 && degree_ == 3) return step_sized<2, 3>(system, m, u, x);
-  if (order_ == 1 && degree_ == 3) return step_sized<1, 3>(system, m, u, x);
-  return step_sized<0, 0>(system, m, u, x);
+  return order_ == 2 ? step_sized<2>(system, m, u, x) : step_sized<1>(system, m, u, x);
 }
 
 // One numerical kernel, kept whole: its steps share local arrays of sizes known to the compiler.
-template <std::size_t Order, std::size_t Degree>
+template <std::size_t Order>
 bool CollocationPropagator::step_sized(const chain::OdeKernel& system, const Level& m, const double* u,
                                        const double* x) {
-  const std::size_t n = Order > 0 ? Order : order_;
-  const std::size_t p = Degree > 0 ? Degree : degree_;
-  const std::size_t width = p + 1;
+  constexpr std::size_t n = Order, p = kDegree, width = kWidth;
   double* state = states_.data();
   double* base = base_.data();
   double* force = force_.data();
@@ -165,7 +155,7 @@ bool CollocationPropagator::step_sized(const chain::OdeKernel& system, const Lev
   if (!std::isfinite(states_from_forces())) return false;
   // Newton's method on the forces at nodes 1...p, with the slopes of n where a constant force would lead. Its
   // matrix is 1 - dn/dx dx/df, factored once a step.
-  double matrix[kMaxDegree][kMaxDegree];
+  double matrix[p][p];
   double* slopes = gradient_.data();
   for (std::size_t i = 1; i < width; ++i) {
     system.nonlinear_gradient(state + i * n, u[i], slopes);
@@ -175,11 +165,11 @@ bool CollocationPropagator::step_sized(const chain::OdeKernel& system, const Lev
       matrix[i - 1][j - 1] = sum;
     }
   }
-  if (!factorise_near_one(matrix, p)) return false;
+  if (!factorise_near_one(matrix)) return false;
   double force_size = std::abs(force[0]);
   double last = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 30; ++iteration) {
-    double change[kMaxDegree];
+    double change[p];
     double max_change = 0.0;
     for (std::size_t i = 0; i < p; ++i) {
       const double f = system.nonlinear(state + (i + 1) * n, u[i + 1]);
@@ -208,9 +198,8 @@ bool CollocationPropagator::step_sized(const chain::OdeKernel& system, const Lev
 void CollocationPropagator::write_outputs(const StateSpace& linear, const Part* part, const double* u,
                                           double* y) const {
   const std::size_t n = order_;
-  const std::size_t width = degree_ + 1;
   const std::size_t first = part == nullptr ? 0 : part->first;
-  const std::size_t end = part == nullptr ? width : part->end;
+  const std::size_t end = part == nullptr ? kWidth : part->end;
   for (std::size_t i = first; i < end; ++i) {
     double sum = linear.offset + linear.d * u[i];
     for (std::size_t a = 0; a < n; ++a) {
@@ -218,7 +207,7 @@ void CollocationPropagator::write_outputs(const StateSpace& linear, const Part* 
       if (part == nullptr) {
         value = states_[i * n + a];
       } else {
-        for (std::size_t j = 0; j < width; ++j) value += part->outward[i * width + j] * states_[j * n + a];
+        for (std::size_t j = 0; j < kWidth; ++j) value += part->outward[i * kWidth + j] * states_[j * n + a];
       }
       sum += linear.c[a] * value;
     }
@@ -233,7 +222,6 @@ void CollocationPropagator::cover(const chain::OdeKernel& system, std::size_t in
     outcome_ = Outcome::too_many_parts;
     return;
   }
-  const std::size_t width = degree_ + 1;
   const auto halves = [&] {
     cover(system, index + 1, from, u, x, y);
     cover(system, index + 1, from + std::ldexp(0.5, -static_cast<int>(index)), u, x, y);
@@ -241,15 +229,15 @@ void CollocationPropagator::cover(const chain::OdeKernel& system, std::size_t in
   if (index < first_level_) return halves();
   Part made;
   const Part* p = index == 0 ? nullptr : &part(index, from, made);
-  double inner[kMaxDegree + 1];
+  double inner[kWidth];
   if (p != nullptr) {
-    for (std::size_t i = 0; i < width; ++i) {
+    for (std::size_t i = 0; i < kWidth; ++i) {
       double sum = 0.0;
-      for (std::size_t j = 0; j < width; ++j) sum += p->inward[i * width + j] * u[j];
+      for (std::size_t j = 0; j < kWidth; ++j) sum += p->inward[i * kWidth + j] * u[j];
       inner[i] = sum;
     }
   }
-  const double* last_state = states_.data() + (width - 1) * order_;
+  const double* last_state = states_.data() + (kWidth - 1) * order_;
   if (!step(system, level(system, index), p == nullptr ? u : inner, x)) {
     if (index < kFinest) return halves();
     // The finest level's last iterate is what there is.
@@ -264,17 +252,16 @@ void CollocationPropagator::cover(const chain::OdeKernel& system, std::size_t in
 
 CollocationPropagator::Outcome CollocationPropagator::run(const chain::OdeKernel& system, const double* u,
                                                           double* y, std::size_t holds, double* x) {
-  const std::size_t width = degree_ + 1;
   outcome_ = Outcome::finished;
   steps_left_ =
       limits_.max_parts * std::ldexp(1.0, static_cast<int>(first_level_)) * static_cast<double>(holds) + 1e4;
-  for (std::size_t hold = 0; hold < holds; ++hold, u += width, y += width) {
+  for (std::size_t hold = 0; hold < holds; ++hold, u += kWidth, y += kWidth) {
     // A state that ran away would cost the finest steps in every hold that follows, for numbers nobody can
     // use.
     if (outcome_ == Outcome::finished) {
       cover(system, 0, 0.0, u, x, y);
     } else {
-      std::fill(y, y + width, 0.0);
+      std::fill(y, y + kWidth, 0.0);
     }
   }
   return outcome_;

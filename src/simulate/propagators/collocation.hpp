@@ -9,7 +9,7 @@
 namespace bodesmith::simulate {
 
 /// x' = A x + b u + e n(x, u) over holds of equal length: n is the polynomial through its values at the
-/// hold's nodes (Lobatto collocation, order 2p in the step), its linear surroundings exact. The implicit
+/// hold's nodes (Lobatto collocation of degree 3, order 6 in the step), its linear surroundings exact. The implicit
 /// equations are solved by a simplified Newton iteration; a hold in which that does not contract, or over
 /// which the linear part turns too far, is halved, as often as needed (at most 2^12 parts).
 class CollocationPropagator {
@@ -29,24 +29,25 @@ class CollocationPropagator {
     not_finite,      ///< a hold did not converge even at the finest level
   };
 
-  void prepare(const chain::OdeKernel& system, double h, const HoldNodes& nodes, const Limits& limits);
-  /// Unless finished, outputs from where it was given up are 0.
+  /// A system of one state or two.
+  void prepare(const chain::OdeKernel& system, double h, const Limits& limits);
+  /// u and y: hold_nodes(3) of each hold. Unless finished, outputs from where it was given up are 0.
   Outcome run(const chain::OdeKernel& system, const double* u, double* y, std::size_t holds, double* x);
 
  private:
+  static constexpr std::size_t kDegree = 3, kWidth = kDegree + 1;
   /// Everything for one length of step.
   struct Level {
     bool ready = false;
-    std::vector<double> e;   // per node 1..p: order x order
-    std::vector<double> gu;  // per node: order x (p+1)
-    std::vector<double> ge;  // per node: order x (p+1)
+    std::vector<double> e;   // per node 1..3: order x order
+    std::vector<double> gu;  // per node: order x 4
+    std::vector<double> ge;  // per node: order x 4
     std::vector<double> k;   // per node: order
   };
   const Level& level(const chain::OdeKernel& system, std::size_t index);
   /// One step of h/2^index; `states_` then holds x at every node. False when the iteration does not contract.
   bool step(const chain::OdeKernel& system, const Level& matrices, const double* u, const double* x);
-  /// The same with sizes known to the compiler; 0: as they come.
-  template <std::size_t Order, std::size_t Degree>
+  template <std::size_t Order>
   bool step_sized(const chain::OdeKernel& system, const Level& matrices, const double* u, const double* x);
   /// Interpolation weights of one part of a hold, row by row: the input at the part's nodes from the hold's,
   /// and the states at the hold's nodes from `first` to below `end` (those that lie in the part) from the
@@ -54,8 +55,8 @@ class CollocationPropagator {
   struct Part {
     std::size_t first = 0;
     std::size_t end = 0;
-    double inward[(kMaxDegree + 1) * (kMaxDegree + 1)];
-    double outward[(kMaxDegree + 1) * (kMaxDegree + 1)];
+    double inward[kWidth * kWidth];
+    double outward[kWidth * kWidth];
   };
   Part make_part(std::size_t index, double from) const;
   /// The same from a table for the coarse levels, into `made` for the others.
@@ -72,18 +73,16 @@ class CollocationPropagator {
   Limits limits_;
   double h_ = 0.0;
   std::size_t order_ = 0;
-  std::size_t degree_ = 1;
   std::size_t first_level_ = 0;
-  const HoldNodes* nodes_ = nullptr;
+  const HoldNodes& nodes_ = hold_nodes(kDegree);
   std::vector<Part> parts_;  ///< levels 1 to kTabled, 2^index each
-  std::size_t parts_degree_ = 0;
   std::vector<Level> levels_;
   HoldResponseSolver solver_;
   HoldResponse response_;
-  std::vector<double> states_;  // (p+1) x order
+  std::vector<double> states_;  // 4 x order
   std::vector<double> base_;
   std::vector<double> gradient_;
-  std::vector<double> force_;  // p+1
+  std::vector<double> force_;  // 4
   Outcome outcome_ = Outcome::finished;
   double steps_left_ = 0.0;
 };

@@ -91,28 +91,17 @@ void ModalPropagator::run_holds(const double* u, double* y, std::size_t holds) {
   }
 }
 
-template <std::size_t Pairs>
-void ModalPropagator::run_degree(const double* u, double* y, std::size_t holds) {
-  const auto run = [&](auto degree) {
-    constexpr std::size_t kDegree = decltype(degree)::value;
-    modes_.coupled ? run_holds<Pairs, kDegree, true>(u, y, holds)
-                   : run_holds<Pairs, kDegree, false>(u, y, holds);
-  };
-  switch (degree_) {
-    case 1:
-      return run(std::integral_constant<std::size_t, 1>());
-    case 2:
-      return run(std::integral_constant<std::size_t, 2>());
-    case 3:
-      return run(std::integral_constant<std::size_t, 3>());
-    default:
-      return run(std::integral_constant<std::size_t, 4>());
-  }
-}
-
 void ModalPropagator::run(const double* u, double* y, std::size_t holds) {
   with_pair_count(
-      modes_.pairs(), [&](auto pairs) { run_degree<decltype(pairs)::value>(u, y, holds); },
+      modes_.pairs(),
+      [&](auto pairs) {
+        constexpr std::size_t kPairs = decltype(pairs)::value;
+        if (degree_ == 1) {
+          modes_.coupled ? run_holds<kPairs, 1, true>(u, y, holds) : run_holds<kPairs, 1, false>(u, y, holds);
+        } else {
+          modes_.coupled ? run_holds<kPairs, 3, true>(u, y, holds) : run_holds<kPairs, 3, false>(u, y, holds);
+        }
+      },
       std::make_index_sequence<kMaxPairs>());
 }
 

@@ -45,8 +45,6 @@ class ModalPropagator {
   void run_holds(const double* u, double* y, std::size_t holds);
   template <std::size_t Pairs, bool Coupled>
   void run_straight(double* signal, std::size_t count);
-  template <std::size_t Pairs>
-  void run_degree(const double* u, double* y, std::size_t holds);
 
   ModalPairs modes_;
   std::size_t degree_ = 1;

@@ -117,7 +117,7 @@ struct RecordSimulator::Implementation {
     initial.resize(std::max(initial.size(), states), 0.0);
     stages = record_stages(slots, blocks);
     const double h = step_s / static_cast<double>(options.oversample);
-    degree = options.degree != 0 ? options.degree : needed_degree(stages, slots, h);
+    degree = needed_degree(stages, slots, h);
   }
 
   bool is_sampled(const RecordStage& stage) const {
@@ -149,7 +149,7 @@ struct RecordSimulator::Implementation {
   /// Whether the values at the samples are all that is needed: linear dynamics under an input that is straight
   /// between them, and what works value by value.
   bool needs_samples_only() const {
-    if (options.degree != 0 || options.oversample != 1 || degree != 1) return false;
+    if (options.oversample != 1 || degree != 1) return false;
     return std::ranges::all_of(stages, [&](const RecordStage& stage) {
       if (!stage.linear) {
         const auto& kernel = slots[stage.first].kernel();
@@ -451,7 +451,7 @@ struct RecordSimulator::Implementation {
     const double* u = signal.data();
     double* y = other.data();
     for (const HoldSpan& span : run.plan.spans) {
-      collocation.prepare(*system, span.h, run.nodes,
+      collocation.prepare(*system, span.h,
                           {options.max_parts, options.max_turn_rad, options.newton_tolerance});
       switch (collocation.run(*system, u, y, span.holds, x)) {
         case CollocationPropagator::Outcome::finished:
@@ -488,8 +488,8 @@ struct RecordSimulator::Implementation {
 
 RecordSimulator::RecordSimulator(Chain chain, double step_s, RecordOptions options)
     : implementation_(std::make_unique<Implementation>()) {
-  if (!(step_s > 0.0) || options.oversample < 1 || options.degree > kMaxDegree) {
-    throw std::logic_error("RecordSimulator: step, oversample or degree out of range");
+  if (!(step_s > 0.0) || options.oversample < 1) {
+    throw std::logic_error("RecordSimulator: step or oversample out of range");
   }
   implementation_->chain = std::move(chain);
   implementation_->step_s = step_s;

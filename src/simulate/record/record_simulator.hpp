@@ -13,7 +13,6 @@ namespace bodesmith::simulate {
 
 struct RecordOptions {
   std::optional<Start> start;  ///< nothing: as the chain says, zero where it does not
-  std::size_t degree = 0;      ///< 1-4; 0: 1 when that is exact, else 3
   std::size_t oversample = 1;  ///< holds a sample interval
   double start_s = 0.0;
   /// A run whose nonlinear dynamics need more parts a hold than this (on the average, beyond what their
@@ -30,7 +29,7 @@ struct RecordOptions {
 
 /// The record engine: a chain worked out from sample to sample, thousands of times with other parameters.
 ///
-/// Each signal between blocks is a polynomial of degree p over each hold (a sample interval or 1/oversample
+/// Each signal between blocks is a polynomial of degree p (1 where that is exact, else 3) over each hold (a sample interval or 1/oversample
 /// of it), given by its values at the p+1 Gauss-Lobatto points; neighbouring holds may differ at their common
 /// point, so jumps at samples are exact. Neighbouring linear blocks are merged into one state space and
 /// propagated by its matrix exponential, exact for such an input, pure delays included; smooth nonlinear

@@ -123,7 +123,7 @@ TEST_F(SimulateCommand, BadInputIsOneLineAndLeavesNothing) {
         file("model.toml"), file("model.toml") + " --input " + file("u.csv") + " --engine fast",
         file("model.toml") + " --input " + file("u.csv") + " --start warm",
         file("model.toml") + " --input " + file("u.csv") + " --tolerance 0",
-        file("model.toml") + " --input " + file("u.csv") + " --degree 9"}) {
+        file("model.toml") + " --input " + file("u.csv") + " --oversample 0"}) {
     const auto done = run_bodesmith("simulate " + arguments + " -o " + file("out.csv"));
     EXPECT_EQ(done.status, 2) << arguments << done.err;
     EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;

@@ -201,6 +201,35 @@ LevelAndPhase of_length(std::size_t n) {
   return out;
 }
 
+/// How far the roots turn the phase from one frequency to another; a zero on the axis as one just left of it.
+double turn_deg(const Sections& sections, RadPerSecond from, RadPerSecond to) {
+  double out = 0.0;
+  const auto turned = [&](const Complex& root) {
+    if (root.real() == 0.0)
+      return from.value < root.imag() && root.imag() <= to.value ? std::numbers::pi : 0.0;
+    return std::atan((root.imag() - to.value) / root.real()) -
+           std::atan((root.imag() - from.value) / root.real());
+  };
+  for (const Section& section : sections.sections) {
+    for (const Complex& zero : section.zeros) out += turned(zero);
+    for (const Complex& pole : section.poles) out -= turned(pole);
+  }
+  return to_degrees(out);
+}
+
+/// The phase of sections on a coarse grid may turn by any angle between two frequencies.
+void follow_turns(std::vector<double>& phase_deg, const Sections& sections, const std::vector<Hertz>& grid) {
+  constexpr double kCoarse = 1.0001;
+  double turns = 0.0, last = phase_deg.empty() ? 0.0 : phase_deg[0];
+  for (std::size_t i = 1; i < phase_deg.size(); ++i) {
+    const bool coarse = grid[i].value > kCoarse * grid[i - 1].value;
+    const double turn = coarse ? turn_deg(sections, grid[i - 1].rad_s(), grid[i].rad_s()) : 0.0;
+    turns -= 360.0 * std::round((phase_deg[i] - last - turn) / 360.0);
+    last = phase_deg[i];
+    phase_deg[i] += turns;
+  }
+}
+
 /// Each step is told from the angles as they come: a step behind the turns so far would have to wait for the one before it.
 void follow_turns(std::vector<double>& phase_deg) {
   double turns = 0.0, last = phase_deg.empty() ? 0.0 : phase_deg[0];
@@ -244,7 +273,7 @@ LevelAndPhase level_and_phase(std::span<const Complex> response) {
 LevelAndPhase level_and_phase(const Sections& sections, const std::vector<Hertz>& grid) {
   LevelAndPhase out = of_length(grid.size());
   for_pieces(sections, grid, [&out](std::size_t begin, std::span<const Complex> h) { put(h, begin, out); });
-  follow_turns(out.phase_deg);
+  follow_turns(out.phase_deg, sections, grid);
   return out;
 }
 

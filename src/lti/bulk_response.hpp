@@ -46,7 +46,7 @@ struct LevelAndPhase {
   std::vector<double> phase_deg;  ///< without jumps of more than half a turn from one frequency to the next
 };
 LevelAndPhase level_and_phase(std::span<const Complex> response);
-/// Of sections, without keeping the responses in between.
+/// Of sections, without keeping the responses in between; the phase turns as their roots do, however coarse the grid.
 LevelAndPhase level_and_phase(const Sections& sections, const std::vector<Hertz>& grid);
 
 /// Group delay -d(arg H)/dw in seconds. Of sections in closed form, sum Re 1/(jw - p) - sum Re 1/(jw - z) + delay.

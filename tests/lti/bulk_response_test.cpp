@@ -101,6 +101,22 @@ TEST(LevelAndPhase, EightPolesRunTheirWholeTurnAndAgreeWithTheSections) {
   EXPECT_EQ(at_once.phase_deg, curves.phase_deg);
 }
 
+/// Eight poles turn by -720 degrees, a zero in the right half plane from 180 to 90; a notch on the axis as one just left of it.
+TEST(LevelAndPhase, SectionsTurnAsTheirRootsDoHoweverCoarseTheGrid) {
+  Sections sections;
+  for (int i = 0; i < 8; ++i) sections.sections.push_back({1e3, {}, {-1e3 * std::pow(1.4, i)}});
+  const double far = level_and_phase(sections, log_grid({Hertz{1e-3}, Hertz{1e9}}, 2)).phase_deg.back();
+  EXPECT_NEAR(far, -720.0, 1e-3);
+  sections.sections[0].zeros = {Complex(5e3)};
+  EXPECT_NEAR(level_and_phase(sections, log_grid({Hertz{1e-3}, Hertz{1e9}}, 2)).phase_deg.back(), -630.0,
+              1e-3);
+  sections.sections[0] = {
+      1.0, {Complex(0.0, 3e3), Complex(0.0, -3e3)}, {Complex(-300.0, 2e3), Complex(-300.0, -2e3)}};
+  const LevelAndPhase fine = level_and_phase(sections, log_grid({Hertz{1.0}, Hertz{1e6}}, 3001));
+  const LevelAndPhase coarse = level_and_phase(sections, log_grid({Hertz{1.0}, Hertz{1e6}}, 4));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(coarse.phase_deg[i], fine.phase_deg[1000 * i], 1e-9) << i;
+}
+
 TEST(LevelAndPhase, GainsBeyondTheRangeOfASquareKeepTheirLevel) {
   Sections sections;
   sections.gain = 1e-250;

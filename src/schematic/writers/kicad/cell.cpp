@@ -213,12 +213,6 @@ void CellMaker::opamp(const OpAmp& opamp, Symbol symbol, std::vector<Branch>& re
     drawing().wire({x_out, above}, {x_out, 0}, out);
     above -= kPitch * (size_of(one).rows + 1);
   }
-  if (upper == out) {
-    drawing().wire(upper_bus, {kBus, above}, out);
-    drawing().wire({kBus, above}, {x_out, above}, out);
-    drawing().wire({x_out, above}, {x_out, 0}, out);
-    above -= kPitch;
-  }
   anchor(upper_bus, upper, Anchor::Kind::inner);
   const size_t upper_anchor = cell.anchors.size() - 1;
   size_t first_left = cell.anchors.size();

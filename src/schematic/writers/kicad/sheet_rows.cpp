@@ -257,11 +257,6 @@ Cell stacked(const std::vector<Cell>& cells) {
   for (const Cell& cell : cells) {
     y += below - cell.drawing.top;
     out.drawing.append(cell.drawing, {0, y});
-    for (Anchor anchor : cell.anchors) {
-      anchor.at = anchor.at + Point{0, y};
-      if (anchor.name_at) anchor.name_at = *anchor.name_at + Point{0, y};
-      out.anchors.push_back(std::move(anchor));
-    }
     below = cell.drawing.bottom + 1;
   }
   return out;

@@ -14,8 +14,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A model that leaves more than this many ranges of the record (root of the sum of squares) has run away.
-constexpr double kRunAway = 1e12;
 /// Runs over fewer samples take less than some tenths of a millisecond.
 constexpr std::size_t kFewSamples = 1500;
 
@@ -25,8 +23,7 @@ class TimeBench final : public Bench {
   TimeBench(const chain::Chain& chain, std::vector<std::size_t> lines, const TimeExperiment& experiment)
       : experiment_(experiment),
         simulator_(chain, experiment.record().step_s, options(experiment)),
-        lines_(std::move(lines)),
-        run_away_(kRunAway * std::max(experiment.range(), std::numeric_limits<double>::min())) {}
+        lines_(std::move(lines)) {}
 
   chain::Chain& chain() override { return simulator_.chain(); }
 
@@ -42,7 +39,7 @@ class TimeBench final : public Bench {
       sum_of_squares += mine[i] * mine[i];
     }
     take_out_lines(mine);
-    return !simulator_.diverged() && std::isfinite(sum_of_squares) && std::sqrt(sum_of_squares) < run_away_;
+    return !simulator_.diverged() && std::isfinite(sum_of_squares);
   }
 
   std::vector<double> output() override {
@@ -78,7 +75,6 @@ class TimeBench final : public Bench {
   TimeExperiment experiment_;
   simulate::RecordSimulator simulator_;
   std::vector<std::size_t> lines_;
-  double run_away_ = 0.0;
   std::vector<double> frequencies_hz_;  ///< of
   Directions lines_of_record_;
 };

@@ -16,11 +16,6 @@ namespace {
 constexpr std::size_t kPeaks = 6;
 /// Part of the input's power below low_hz, and above band_hz.
 constexpr double kOutside = 0.05;
-/// The band is at least as many bins of the spectrum wide.
-constexpr double kMinBand = 4.0;
-
-/// Times below this part of the sampling step are not told from the way between the samples.
-constexpr double kLeastOfSample = 0.01;
 
 Signal signal_of(std::span<const double> v, double step_s) {
   Signal s;
@@ -69,7 +64,6 @@ void find_band(Scene& scene, const TimeRecord& record) {
     if (scene.band_hz == 0.0 && sum >= (1.0 - kOutside) * total) scene.band_hz = hz;
   }
   if (scene.low_hz == 0.0) scene.low_hz = p.bin_hz;
-  scene.band_hz = std::max(scene.band_hz, kMinBand * p.bin_hz);
 }
 
 Scene scene_of(const Model& model, const TimeExperiment& experiment) {
@@ -218,10 +212,6 @@ std::vector<double> Scene::beyond_band_hz(double times, int count) const {
   for (int k = 1; k <= steps; ++k)
     beyond.push_back(from * std::pow(kHighest * top_hz / from, static_cast<double>(k) / steps));
   return beyond;
-}
-
-bool Scene::is_between_samples(double seconds) const {
-  return !frequency_only && seconds < kLeastOfSample * step_s;
 }
 
 std::vector<std::size_t> Scene::base_places() const {

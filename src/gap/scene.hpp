@@ -60,8 +60,6 @@ struct Scene {
   /// Frequencies that the sampling shows beyond `times` the driven band, a factor apart of 5 at the least: steps have their power
   /// far below what their edges tell. None where the band comes near to top_hz.
   std::vector<double> beyond_band_hz(double times, int count) const;
-  /// A time so short compared with the sampling that how the input goes between the samples passes for it.
-  bool is_between_samples(double seconds) const;
   /// Long looks for start values end here, with what they have.
   bool is_late() const { return late && late(); }
   /// The output as it was measured.

@@ -14,7 +14,6 @@ namespace bodesmith::gap {
 /// Long records are first fitted on their liveliest stretches [5].
 struct StretchOptions {
   std::size_t samples = 8000;  ///< of all stretches together; one and a half times as many: long records
-  std::size_t min_samples_each = 1500;
   std::size_t min_lead = 200;  ///< samples before each that are run but not scored
   std::size_t leaders = 4;     ///< candidates of a round that are fitted on the whole records
 };
@@ -43,10 +42,9 @@ struct BoundOptions {
 
 /// Two effects that hide each other [5]: what each effect promises alongside each of a few first names.
 struct PairOptions {
-  std::size_t firsts = 8;   ///< names, each at its best place; of responses names and places
-  std::size_t seconds = 4;  ///< alongside each
-  std::size_t fits = 20;    ///< of the pairs that promise most
-  std::size_t best = 3;     ///< of them that are gone on from
+  std::size_t firsts = 8;  ///< names, each at its best place; of responses names and places
+  std::size_t fits = 20;   ///< of the pairs that promise most
+  std::size_t best = 3;    ///< of them that are gone on from
 };
 
 /// What the drive of experiment.csv may be, as far as somebody says it; the rest is taken from the training records.

@@ -4,10 +4,6 @@
 namespace bodesmith::gap {
 namespace {
 
-bool amplifier_pole_is_no_name(const Model&, const Term& term, const Scene& scene) {
-  return scene.is_between_samples(1.0 / Hertz{term.unknowns.front().value}.rad_s().value);
-}
-
 void propose_amplifier_pole(const Scene& scene, std::vector<Proposal>& out) {
   const double b = scene.band_hz;
   Starts starts = {{30.0 * b}, {6.0 * b}, {1.5 * b}, {0.4 * b}};
@@ -24,7 +20,6 @@ BODESMITH_EFFECT(
     .experiment =
         "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
         "a pole does not)",
-    .linear = true, .repeatable_in_response = true, .of_no_circuit = true, .propose = propose_amplifier_pole,
-    .is_no_name = amplifier_pole_is_no_name)
+    .linear = true, .repeatable_in_response = true, .of_no_circuit = true, .propose = propose_amplifier_pole)
 
 }  // namespace bodesmith::gap

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <optional>
 
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
@@ -20,9 +19,6 @@ constexpr int kHarmonics = 7;
 constexpr double kMinCycles = 2.0;
 /// Frequencies that are looked at, in one of the record's resolution.
 constexpr std::size_t kFiner = 5;
-/// A line's power over the mean of those up to so many resolutions around it: of noise, one frequency in e^10 reaches that.
-constexpr double kStandsOut = 10.0;
-constexpr std::size_t kAround = 10;
 /// Lines that are proposed.
 constexpr std::size_t kProposed = 2;
 
@@ -46,8 +42,8 @@ class FineSpectrum {
     bin_hz_ = rate_hz_ / static_cast<double>(padded.size());
     for (const auto& value : half_spectrum(padded)) amplitude_.push_back(std::abs(value));
   }
-  /// The largest line within the grid's tolerance of a nominal frequency, where it stands out.
-  std::optional<Line> largest_near(double nominal_hz) const {
+  /// The largest line within the grid's tolerance of a nominal frequency.
+  Line largest_near(double nominal_hz) const {
     Line best{nominal_hz, nominal_hz, -1.0};
     const int count = whole_number<int>(std::floor(kTolerance * nominal_hz / bin_hz_));
     for (int k = -count; k <= count; ++k) {
@@ -55,9 +51,6 @@ class FineSpectrum {
       const double amplitude = amplitude_[bin_of(hz)];
       if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude};
     }
-    const std::size_t bin = bin_of(best.hz);
-    const double level = std::max(level_over(bin, -1), level_over(bin, 1));
-    if (!(best.amplitude * best.amplitude > kStandsOut * level)) return std::nullopt;
     return best;
   }
 
@@ -65,18 +58,6 @@ class FineSpectrum {
   std::size_t bin_of(double hz) const {
     const auto bin = whole_number<std::size_t>(alias_of(hz, rate_hz_) / bin_hz_ + 0.5);
     return std::min(bin, amplitude_.size() - 1);
-  }
-  /// Mean power around a line, from two resolutions below or above it on.
-  double level_over(std::size_t bin, int side) const {
-    double sum = 0.0;
-    int count = 0;
-    for (std::size_t d = 2 * kFiner; d < kAround * kFiner; ++d) {
-      if (side < 0 ? d > bin : bin + d >= amplitude_.size()) break;
-      const double amplitude = amplitude_[side < 0 ? bin - d : bin + d];
-      sum += amplitude * amplitude;
-      ++count;
-    }
-    return count > 0 ? sum / count : 0.0;
   }
 
   double rate_hz_;
@@ -113,7 +94,7 @@ void propose_mains_hum(const Scene& scene, std::vector<Proposal>& out) {
       const double seen = alias_of(hz, rate);
       if (seen * scene.duration_s < kMinCycles || (0.5 * rate - seen) * scene.duration_s < kMinCycles)
         continue;
-      if (auto line = spectrum.largest_near(hz)) lines.push_back(*line);
+      lines.push_back(spectrum.largest_near(hz));
     }
   }
   // Of harmonics that sampling folds to one place the lower one is likelier.

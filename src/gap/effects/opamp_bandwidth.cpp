@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "base/text.hpp"
 #include "chain/opamp_poles.hpp"
@@ -16,12 +17,15 @@ constexpr double kSlower = 0.99;
 /// a gain-bandwidth f the section is H P/(P + s D/(2 pi f)): a biquad of the zeros P and two of the poles, a lowpass of the
 /// last. The section stays as it is, so that its capacitors can be off besides.
 struct SlowOpamp {
-  int section;
-  int pair = -1;             ///< -1: the section has none
-  int last = -1;             ///< -1: the section has one pole
+  std::size_t at;  ///< where the section stands in the scene's model
+  std::string part;
   std::vector<double> gain;  ///< D as chain::PartChange::noise_gain; empty: of one op-amp, inverting or not
   bool inverting = false;
-  double known_per_hz = 0.0;  ///< of its gain-bandwidth that the section has in it
+  double known_hz = INFINITY;  ///< the gain-bandwidth that the section has in it
+  // Ids:
+  int section = -1;
+  int pair = -1;  ///< -1: the section has none
+  int last = -1;  ///< -1: the section has one pole
 };
 
 /// Of one op-amp 1/beta = 1 + |H| when inverting, |H| when not, |H| = g (1 + s/z)/(1 + s/p).
@@ -35,7 +39,7 @@ void write_poles(Model& model, const SlowOpamp& opamp, double gain_bandwidth_hz)
   const chain::Block& section = model.block(opamp.section);
   const chain::OpampPoles poles =
       chain::opamp_poles(section, opamp.gain.empty() ? one_opamps_gain(section, opamp.inverting) : opamp.gain,
-                         1.0 / gain_bandwidth_hz - opamp.known_per_hz);
+                         1.0 / gain_bandwidth_hz - 1.0 / opamp.known_hz);
   const bool two = opamp.last >= 0;
   if (two) model.block(opamp.last).set("corner_hz", poles.last->value);
   if (opamp.pair < 0) return;
@@ -46,14 +50,6 @@ void write_poles(Model& model, const SlowOpamp& opamp, double gain_bandwidth_hz)
       .set("natural_frequency_hz", poles.natural_frequency_hz)
       .set("damping_ratio", poles.damping_ratio);
 }
-
-struct Place {
-  std::size_t at;
-  std::string part;
-  std::vector<double> gain;
-  bool inverting = false;
-  double known_hz = INFINITY;
-};
 
 /// The greatest gain-bandwidth that is told: one that is as good as the section says does nothing.
 double most_hz(const Scene& scene, double known_hz) {
@@ -67,40 +63,35 @@ Proposal propose_slower(const Scene& scene, Model model, Term term, double most)
   return propose_term(std::move(model), std::move(term), std::move(starts));
 }
 
-Proposal slow(const Scene& scene, const std::vector<Place>& places) {
+Proposal slow(const Scene& scene, std::vector<SlowOpamp> opamps) {
   Model model = *scene.model;
   Term term;
-  std::vector<SlowOpamp> found;
   std::vector<std::string> numbers, parts;
   // From behind, so that the places in front stay where they are.
-  for (auto place = places.rbegin(); place != places.rend(); ++place) {
-    SlowOpamp one{.section = model.id_at(place->at),
-                  .gain = place->gain,
-                  .inverting = place->inverting,
-                  .known_per_hz = 1.0 / place->known_hz};
-    const bool none = chain::corner_of(model.at(place->at)).empty();
-    if (none || (!place->gain.empty() && place->gain[2] > 0.0)) {
-      one.last = model.insert(place->at + 1, chain::make_block("lowpass"));
+  for (auto& one : std::views::reverse(opamps)) {
+    one.section = model.id_at(one.at);
+    const bool none = chain::corner_of(model.at(one.at)).empty();
+    if (none || (!one.gain.empty() && one.gain[2] > 0.0)) {
+      one.last = model.insert(one.at + 1, chain::make_block("lowpass"));
       term.blocks.push_back(one.last);
     }
     if (!none) {
-      one.pair = model.insert(place->at + 1, chain::make_block("biquad").set("lowpass_gain", 1.0));
+      one.pair = model.insert(one.at + 1, chain::make_block("biquad").set("lowpass_gain", 1.0));
       term.blocks.push_back(one.pair);
     }
-    found.push_back(std::move(one));
-    const std::string number = std::to_string(scene.model->base_number(place->at));
+    const std::string number = std::to_string(scene.model->base_number(one.at));
     if (numbers.empty() || numbers.front() != number) numbers.insert(numbers.begin(), number);
-    if (!place->part.empty()) parts.insert(parts.begin(), place->part);
+    if (!one.part.empty()) parts.insert(parts.begin(), one.part);
   }
   term.part = join(parts, ", ");
   term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
-  term.write = [found](Model& m, std::span<const double> v) {
-    for (const auto& one : found) write_poles(m, one, v[0]);
+  term.write = [opamps](Model& m, std::span<const double> v) {
+    for (const auto& one : std::views::reverse(opamps)) write_poles(m, one, v[0]);
   };
   term.reads_base_blocks = true;
   // It belongs inside its section, and taking its blocks out is all there is to undo.
   term.undo = [](Model&) {};
-  return propose_slower(scene, std::move(model), std::move(term), most_hz(scene, places.front().known_hz));
+  return propose_slower(scene, std::move(model), std::move(term), most_hz(scene, opamps.front().known_hz));
 }
 
 /// One that something passes without: the section itself changes. `at`: a biquad.
@@ -126,15 +117,15 @@ Proposal slow_with_a_way_round(const Scene& scene, std::size_t at, const chain::
   return propose_slower(scene, std::move(model), std::move(term), most);
 }
 
-void propose_all(const Scene& scene, const std::vector<Place>& places, std::vector<Proposal>& out) {
-  for (const Place& place : places) out.push_back(slow(scene, {place}));
-  if (places.size() > 1) out.push_back(slow(scene, places));
+void propose_all(const Scene& scene, const std::vector<SlowOpamp>& opamps, std::vector<Proposal>& out) {
+  for (const auto& one : opamps) out.push_back(slow(scene, {one}));
+  if (opamps.size() > 1) out.push_back(slow(scene, opamps));
 }
 
 /// Each op-amp of the sections whose op-amps are known; of other sections with a zero one op-amp, inverting or not. Boards carry
 /// one type of op-amp: all of them as well.
 void propose_opamp_bandwidth(const Scene& scene, std::vector<Proposal>& out) {
-  std::vector<Place> known;
+  std::vector<SlowOpamp> known;
   std::vector<std::size_t> others;
   for (std::size_t at : scene.base_places()) {
     const auto& section = scene.model->at(at);
@@ -154,9 +145,9 @@ void propose_opamp_bandwidth(const Scene& scene, std::vector<Proposal>& out) {
   }
   propose_all(scene, known, out);
   for (const bool inverting : {true, false}) {
-    std::vector<Place> places;
-    for (std::size_t at : others) places.push_back({at, scene.model->at(at).part, {}, inverting});
-    propose_all(scene, places, out);
+    std::vector<SlowOpamp> opamps;
+    for (std::size_t at : others) opamps.push_back({at, scene.model->at(at).part, {}, inverting});
+    propose_all(scene, opamps, out);
   }
 }
 

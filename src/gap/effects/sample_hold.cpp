@@ -30,7 +30,6 @@ void propose_in_response(const Scene& scene, std::vector<Proposal>& out) {
 /// A held signal lags by half a clock on the average; that, and the staircase itself, tell the clock.
 void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
   const double lag_s = mean_lag_s(scene);
-  const bool lags = lag_s > 0.0 && !scene.is_between_samples(lag_s);
   const std::vector<std::size_t> places = scene.static_places();
   const RedNoise noise = places.empty() ? RedNoise() : most_likely_red_noise({scene.residual});
   std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
@@ -40,7 +39,7 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
     found[i] = clocks_of_hold(scene, at, half);
     const auto add = [&](const Starts& more) { found[i].insert(found[i].end(), more.begin(), more.end()); };
     add(clocks_of_hold(scene, at, half, 0.0, noise));
-    if (!lags) return;
+    if (!(lag_s > 0.0)) return;
     const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
     add({{guess}});
     add(clocks_of_hold(scene, at, half, guess));

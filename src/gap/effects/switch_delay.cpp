@@ -9,10 +9,6 @@ namespace {
 /// Of a delay: starts of the comb are no nearer to each other. The hops around where a fit ends (Unknown::hop) reach further.
 constexpr double kFinest = 0.03;
 
-bool switch_delay_is_no_name(const Model&, const Term& term, const Scene& scene) {
-  return scene.is_between_samples(term.unknowns.front().value);
-}
-
 void propose_switch_delay(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : places_of_unused(scene, "switch_delay_s")) {
     const double step = scene.step_s;
@@ -33,6 +29,6 @@ void propose_switch_delay(const Scene& scene, std::vector<Proposal>& out) {
 BODESMITH_EFFECT(
     switch_delay, .what = "the branch switch acts late",
     .experiment = "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both",
-    .propose = propose_switch_delay, .is_no_name = switch_delay_is_no_name)
+    .propose = propose_switch_delay)
 
 }  // namespace bodesmith::gap

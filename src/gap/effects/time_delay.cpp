@@ -4,10 +4,6 @@
 namespace bodesmith::gap {
 namespace {
 
-bool time_delay_is_no_name(const Model&, const Term& term, const Scene& scene) {
-  return scene.is_between_samples(term.unknowns.front().value);
-}
-
 void propose_time_delay(const Scene& scene, std::vector<Proposal>& out) {
   const double step = scene.frequency_only ? 0.02 / scene.top_hz : scene.step_s;
   const double max_delay = scene.frequency_only ? 2.0 / scene.low_hz : 0.1 * scene.duration_s;
@@ -22,7 +18,6 @@ void propose_time_delay(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(time_delay, .what = "the signal arrives later",
                  .experiment = "a sweep to higher frequencies: a pole loses gain, a delay does not",
-                 .linear = true, .of_no_circuit = true, .propose = propose_time_delay,
-                 .is_no_name = time_delay_is_no_name)
+                 .linear = true, .of_no_circuit = true, .propose = propose_time_delay)
 
 }  // namespace bodesmith::gap

@@ -21,18 +21,15 @@ std::string experiments_for(const DiagnosedStep& step) {
   return text + ".";
 }
 
-/// Odds against one that is told of though no sign says that something is missing: ln of them.
-constexpr double kStillLikely = 5.0;
-
 double log_odds_against(const Ranked& r, const Diagnosis& d) {
   return d.search.log_evidence - r.log_evidence;
 }
 
-/// The refused effect that would take most, where nothing but its evidence speaks against it: under a gap as slow as what
+/// The refused effect that would take most, where nothing but its evidence speaks against it, and that by less than a name that ties: under a gap as slow as what
 /// the effect does, one record alone cannot tell it from chance.
 const Ranked* likeliest_refused(const Diagnosis& d) {
   for (const Ranked& r : d.search.refused) {
-    if (r.outcome != CandidateOutcome::not_judged || !(log_odds_against(r, d) < kStillLikely)) continue;
+    if (r.outcome != CandidateOutcome::not_judged || !(log_odds_against(r, d) < -std::log(kTied))) continue;
     if (r.holdout_rms < d.final.holdout_rms) return &r;
   }
   return nullptr;

@@ -21,7 +21,6 @@ constexpr double kMinTelling = 0.15;
 /// Resolution of each axis.
 constexpr double kFrequencyRatio = 1.06;
 constexpr std::size_t kBins = 20;
-constexpr std::size_t kMinSamplesInBin = 8;
 
 double energy_of(std::span<const Bin> bins) {
   double sum = 0.0;
@@ -91,7 +90,7 @@ void keep_telling(std::vector<Cell>& cells) {
 }
 
 Bins time_bins(const std::vector<double>& e, const TimeRecord& record, std::size_t from) {
-  Bins bins(std::min(kBins, e.size() / kMinSamplesInBin));
+  Bins bins(kBins);
   for (std::size_t b = 0; b < bins.size(); ++b) {
     const std::size_t i = b * e.size() / bins.size();
     const std::size_t j = (b + 1) * e.size() / bins.size();
@@ -178,7 +177,7 @@ std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& res
                         std::size_t period) {
   std::vector<Cell> cells;
   const std::size_t n = residual.size();
-  if (n < from + 2 * kMinSamplesInBin) return cells;
+  if (n < from + kBins) return cells;
   const std::vector<double> e(residual.begin() + static_cast<std::ptrdiff_t>(from), residual.end());
   const auto u = std::span(record.u).subspan(from, n - from);
   cells.push_back(densest(Axis::frequency, frequency_bins(e, record.step_s)));

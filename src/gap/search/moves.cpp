@@ -36,7 +36,7 @@ std::vector<Ranked> firsts_among(const SearchSetting& setting, std::vector<Ranke
   return firsts;
 }
 
-/// What the looks alongside all first names promise, best first: of each some effects at their best places.
+/// What the looks alongside all first names promise, best first: of each every effect at its best place.
 std::vector<Promising> second_names(const SearchSetting& setting, const SearchRecords& records,
                                     const std::vector<Ranked>& firsts) {
   const auto& options = setting.options;
@@ -46,9 +46,8 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
     const double left = rms_of(first.model, records.look());
     std::set<const Effect*> effects;
     for (auto& second : look_round(setting, records, first.model)) {
-      if (!effects.insert(effect_of(second)).second) continue;
-      all.emplace_back(left * std::sqrt(std::max(0.0, 1.0 - second.score)), std::move(second));
-      if (effects.size() >= options.pairs.seconds) break;
+      if (effects.insert(effect_of(second)).second)
+        all.emplace_back(left * std::sqrt(std::max(0.0, 1.0 - second.score)), std::move(second));
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -126,7 +126,7 @@ void move_to_what_is_left(TimeExperiment& stretch, const TimeExperiment& whole,
 Experiments stretches_of(const Experiments& train, const StretchOptions& options) {
   Experiments stretches;
   if (scored_samples(train) <= 3 * options.samples / 2) return stretches;
-  const std::size_t each = std::max(options.min_samples_each, options.samples / train.size());
+  const std::size_t each = options.samples / train.size();
   for (const auto& e : train) {
     const auto* time = std::get_if<TimeExperiment>(&e);
     if (time == nullptr) {

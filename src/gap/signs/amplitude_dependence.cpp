@@ -18,12 +18,11 @@ namespace {
 
 /// Drives nearer to each other are the same.
 constexpr double kSameDrive = 1.05;
-/// The least change (of the logarithm) that is told.
+/// The least change that is told, of the logarithm of a gain or of a peak's frequency.
 constexpr double kLeastChange = 0.005;
-/// A peak stands out by so much (ln) on both sides, moves by this part of a step of the grid, or of itself, at the least.
+/// A peak stands out by so much (ln) on both sides, and moves by this part of a step of the grid at the least.
 constexpr double kProminent = 0.3;
 constexpr double kMovedSteps = 0.3;
-constexpr double kMovedPart = 0.002;
 /// The change at the peak over that next to it, when it is the damping that changes; at the top of the band over that at its bottom, when it
 /// is there that the gain falls.
 constexpr double kAlone = 4.0;
@@ -111,7 +110,7 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
   out.peak_at_largest_hz = std::exp(after->at);
   // Damping moves a peak, too.
   const double moved = after->at - before->at - (after->by_damping - before->by_damping);
-  if (std::abs(moved) > std::max(kMovedPart, kMovedSteps * before->step))
+  if (std::abs(moved) > std::max(kLeastChange, kMovedSteps * before->step))
     return moved < 0.0 ? AmplitudeClass::softening_stiffness : AmplitudeClass::hardening_stiffness;
   const auto peak =
       static_cast<std::size_t>(std::min_element(at.begin(), at.end(),

@@ -384,21 +384,6 @@ struct Judged {
   bool no_name() const { return effect.is_no_name(model, model.terms().back(), scene); }
 };
 
-// What is so short that the way between samples passes for it: .01 of a sample; a response has no samples.
-TEST(Effects, WhatIsBetweenSamplesIsNoName) {
-  for (const auto& [name, of_time] :
-       {std::pair<const char*, double (*)(double)>{"time_delay", [](double t) { return t; }},
-        {"amplifier_pole", [](double t) { return 1.0 / (2.0 * std::numbers::pi * t); }}}) {
-    EXPECT_FALSE(Judged(name, false, {of_time(0.011e-3)}).no_name()) << name;
-    EXPECT_TRUE(Judged(name, false, {of_time(0.009e-3)}).no_name()) << name;
-    EXPECT_FALSE(Judged(name, true, {of_time(1e-6)}).no_name()) << name;
-  }
-  const std::string loop =
-      "[[block]]\ntype = \"polynomial_hysteresis\"\nascending = [-0.06, 0.03, 0.01]\ndescending = [0.06, -0.03, 0.008]\n";
-  EXPECT_TRUE(Judged("switch_delay", false, {0.009e-3}, loop).no_name());
-  EXPECT_FALSE(Judged("switch_delay", false, {0.011e-3}, loop).no_name());
-}
-
 // Branches that differ by less than what a name must explain, of their common bend, are a curve.
 TEST(Effects, ALoopWithoutWidthIsNoName) {
   const auto branches = [](double loop) {

@@ -81,7 +81,7 @@ TEST(MainsHumOnADrift, IsProposed) {
   const gap::Model model(gain_of_two());
   std::vector<gap::Proposal> proposals;
   gap::effect_registry().get("mains_hum").propose(gap::make_scene(model, study.train()), proposals);
-  ASSERT_EQ(proposals.size(), 1U);
+  ASSERT_FALSE(proposals.empty());
   EXPECT_NEAR(proposals.front().starts.front().front(), 49.9, 0.5);
 }
 

@@ -117,8 +117,8 @@ TEST(Where, TheStartIsLeftOut) {
   EXPECT_NEAR(time->from, 5.6, 1e-9);
   EXPECT_NEAR(time->to, 5.719, 1e-9);
   EXPECT_NEAR(time->extent, 120.0 / 800.0, 1e-12);
-  EXPECT_TRUE(where_of(noisy, kGapRows - 15).empty());
-  EXPECT_FALSE(where_of(noisy, kGapRows - 16).empty());
+  EXPECT_TRUE(where_of(noisy, kGapRows - 19).empty());
+  EXPECT_FALSE(where_of(noisy, kGapRows - 20).empty());
 }
 
 // Two bursts of which neither holds half: the stretch grows until it does.

@@ -44,21 +44,18 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
     add({{guess}});
     add(clocks_of_hold(scene, at, half, guess));
   });
-  for (std::size_t place = 0; place < places.size(); ++place) {
-    const std::size_t at = places[place];
-    for (const bool half : {false, true}) {
-      Starts starts = found[2 * place + (half ? 1 : 0)];
-      // One converter often drives both: clocks of which the sampling is a multiple.
-      for (int samples = 2; samples <= kMostSamplesHeld; ++samples) {
-        if (const double hz = 1.0 / (samples * scene.step_s); hz > scene.band_hz) starts.push_back({hz});
-      }
-      if (starts.empty()) continue;
-      const auto [low, high] = std::minmax_element(starts.begin(), starts.end());
-      auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);
-      // A tenth of a sample at the record's end.
-      clock.hop = 0.1 * starts[0][0] / static_cast<double>(scene.residual.size());
-      out.push_back(insert_block(scene, at, hold_block(half, starts[0][0]), {clock}, starts));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    Starts& starts = found[i];
+    // One converter often drives both: clocks of which the sampling is a multiple.
+    for (int samples = 2; samples <= kMostSamplesHeld; ++samples) {
+      if (const double hz = 1.0 / (samples * scene.step_s); hz > scene.band_hz) starts.push_back({hz});
     }
+    if (starts.empty()) continue;
+    const auto [low, high] = std::minmax_element(starts.begin(), starts.end());
+    auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);
+    // A tenth of a sample at the record's end.
+    clock.hop = 0.1 * starts[0][0] / static_cast<double>(scene.residual.size());
+    out.push_back(insert_block(scene, places[i / 2], hold_block(i % 2 == 1, starts[0][0]), {clock}, starts));
   }
 }
 

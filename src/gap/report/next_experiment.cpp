@@ -53,18 +53,12 @@ DriveLimits limits_of(const Experiments& train, const DriveRequest& request) {
   const auto& first = first_in_time(train)->record();
   DriveLimits limits;
   limits.step_s = request.step_s.value_or(first.step_s);
-  for (const Experiment& one : train) {
-    const auto* time = std::get_if<TimeExperiment>(&one);
-    if (time == nullptr) continue;
-    const auto& record = time->record();
-    limits.low = std::min(limits.low, *std::min_element(record.u.begin(), record.u.end()));
-    limits.high = std::max(limits.high, *std::max_element(record.u.begin(), record.u.end()));
-    for (std::size_t i = 1; i < record.u.size(); ++i)
-      limits.max_rate = std::max(limits.max_rate, std::abs(record.u[i] - record.u[i - 1]) / record.step_s);
-  }
-  limits.low = request.lower.value_or(limits.low);
-  limits.high = request.upper.value_or(limits.high);
-  limits.max_rate = request.max_rate.value_or(limits.max_rate);
+  std::vector<TimeRecord> records;
+  for (const Experiment& one : train) records.push_back(std::get<TimeExperiment>(one).record());
+  const SignalExtent driven = input_extent(records);
+  limits.low = request.lower.value_or(std::min(0.0, driven.lower));
+  limits.high = request.upper.value_or(std::max(0.0, driven.upper));
+  limits.max_rate = request.max_rate.value_or(driven.max_rate_per_s);
   const double duration = first.step_s * static_cast<double>(first.size());
   const double most =
       request.duration_s ? DriveRequest::kMostSamples : static_cast<double>(kMaxSamplesOfDrive);

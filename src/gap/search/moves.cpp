@@ -22,18 +22,18 @@ double explained(double before, double after) {
   return std::sqrt(std::max(0.0, before * before - after * after));
 }
 
-/// First names for pairs: the best of every effect.
-std::vector<Ranked> firsts_among(const SearchSetting& setting, std::vector<Ranked> ranking) {
+/// First names for pairs: the best of every effect, or of every effect at every place.
+std::vector<Ranked> firsts_among(const SearchSetting& setting, std::vector<Ranked> ranking,
+                                 bool at_every_place) {
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
-  std::vector<Ranked> firsts;
-  std::set<const Effect*> effects;
-  for (auto& r : ranking) {
-    if (firsts.size() >= setting.options.pairs.firsts) break;
-    if (r.outcome != CandidateOutcome::no_name && effects.insert(r.effect).second)
-      firsts.push_back(std::move(r));
-  }
-  return firsts;
+  std::set<std::pair<const Effect*, std::string>> seen;
+  std::erase_if(ranking, [&](const Ranked& r) {
+    return r.outcome == CandidateOutcome::no_name ||
+           !seen.emplace(r.effect, at_every_place ? r.placed : std::string()).second;
+  });
+  if (ranking.size() > setting.options.pairs.firsts) ranking.resize(setting.options.pairs.firsts);
+  return ranking;
 }
 
 /// What the looks alongside all first names promise, best first: of each every effect at its best place.
@@ -125,7 +125,7 @@ bool could_be_fewer(const SearchOptions& options, const Model& model) {
 
 std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
                                                   const std::vector<Ranked>& first) {
-  const auto firsts = firsts_among(setting, first);
+  const auto firsts = firsts_among(setting, first, false);
   const auto seconds = second_names(setting, records, firsts);
   if (seconds.empty() || setting.options.is_late()) return {};
   std::vector<std::pair<Ranked, Ranked>> pairs;
@@ -145,15 +145,9 @@ std::vector<std::pair<Ranked, Ranked>> pairs_of_response(const SearchSetting& se
                                                          const SearchRecords& records,
                                                          const std::vector<Ranked>& first) {
   const auto& options = setting.options;
-  std::vector<Ranked> firsts = first;
-  std::erase_if(firsts, [](const Ranked& r) { return r.outcome == CandidateOutcome::no_name; });
-  std::stable_sort(firsts.begin(), firsts.end(),
-                   [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
   std::vector<std::pair<Ranked, Ranked>> pairs;
-  std::set<std::pair<const Effect*, std::string>> tried;
-  for (const auto& one : firsts) {
-    if (options.is_late() || tried.size() >= options.pairs.firsts) break;
-    if (!tried.emplace(one.effect, one.placed).second) continue;
+  for (const auto& one : firsts_among(setting, first, true)) {
+    if (options.is_late()) break;
     std::set<const Effect*> effects;
     for (auto& second : fit_round(setting, records, one.model).ranking) {
       if (effects.insert(second.effect).second) pairs.emplace_back(one, std::move(second));

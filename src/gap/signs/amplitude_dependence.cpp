@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <span>
 
 #include "base/text.hpp"
 #include "gap/signs/chance.hpp"
@@ -85,24 +86,17 @@ std::optional<Peak> peak_of(const Logarithm& h) {
               shift_by_damping(std::exp(b - h.gain.front()))};
 }
 
-/// Mean change of the gain over a part of the points.
-double mean_gain(const std::vector<std::complex<double>>& change, std::size_t from, std::size_t to) {
-  double sum = 0.0;
-  for (std::size_t i = from; i < to; ++i) sum += change[i].real();
-  return sum / static_cast<double>(std::max<std::size_t>(to - from, 1));
-}
-
-AmplitudeClass class_without_peak(const std::vector<std::complex<double>>& change) {
-  const std::size_t n = change.size();
-  const double bottom = mean_gain(change, 0, n / 3);
-  const double top = mean_gain(change, n - n / 3, n);
-  if (mean_gain(change, 0, n) > 0.0) return AmplitudeClass::rising_gain;
+/// By the change of the gain, point by point.
+AmplitudeClass class_without_peak(std::span<const double> change) {
+  const double bottom = mean(change.first(change.size() / 3));
+  const double top = mean(change.last(change.size() / 3));
+  if (mean(change) > 0.0) return AmplitudeClass::rising_gain;
   return top < 0.0 && kAlone * bottom > top ? AmplitudeClass::falling_gain_at_top
                                             : AmplitudeClass::falling_gain;
 }
 
 AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const std::vector<double>& at,
-                        const std::vector<std::complex<double>>& change, AmplitudeDependence& out) {
+                        std::span<const double> change, AmplitudeDependence& out) {
   const auto before = peak_of(small);
   const auto after = peak_of(large);
   if (!before || !after) return class_without_peak(change);
@@ -118,10 +112,9 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
                                                   return std::abs(a - before->at) < std::abs(b - before->at);
                                                 }) -
                                at.begin());
-  const double there = mean_gain(change, peak > 0 ? peak - 1 : 0, std::min(change.size(), peak + 2));
-  std::vector<double> sizes;
-  for (const auto& c : change) sizes.push_back(c.real());
-  if (std::abs(there) > kAlone * std::abs(median(sizes)))
+  const std::size_t from = peak > 0 ? peak - 1 : 0;
+  const double there = mean(change.subspan(from, std::min(change.size(), peak + 2) - from));
+  if (std::abs(there) > kAlone * std::abs(median({change.begin(), change.end()})))
     return there < 0.0 ? AmplitudeClass::rising_damping : AmplitudeClass::falling_damping;
   return class_without_peak(change);
 }
@@ -178,11 +171,13 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   const Logarithm small(*least);
   const Logarithm large(*largest);
   std::vector<double> at;
+  std::vector<double> gain;
   std::vector<std::complex<double>> change;
   for (std::size_t i = 0; i < small.at.size(); ++i) {
     if (!large.covers(small.at[i])) continue;
     at.push_back(small.at[i]);
-    change.emplace_back(interpolated(large.at, large.gain, at.back()) - small.gain[i],
+    gain.push_back(interpolated(large.at, large.gain, at.back()) - small.gain[i]);
+    change.emplace_back(gain.back(),
                         std::remainder(interpolated(large.at, large.phase, at.back()) - small.phase[i],
                                        2.0 * std::numbers::pi));
   }
@@ -201,7 +196,7 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   // Of independent errors the sum of the products of neighbours has the deviation energy/sqrt(2n).
   out.strength = together / (kAlike * energy / std::sqrt(2.0 * n));
   if (!(out.strength > 1.0) || out.change < kLeastChange) return std::nullopt;
-  out.kind = class_of(small, large, at, change, out);
+  out.kind = class_of(small, large, at, gain, out);
   return out;
 }
 

@@ -30,18 +30,6 @@ std::vector<double> whole_residual(const Model& model, const Experiment& experim
   return std::visit([&](const auto& kind) { return whole_residual(model, kind); }, experiment);
 }
 
-std::vector<Cell> where_in(const TimeExperiment& experiment, const std::vector<double>& residual,
-                           std::size_t from) {
-  const auto& u = experiment.record().u;
-  const auto later = std::span(u).subspan(from);
-  return where(experiment.record(), residual, from, find_period({later.begin(), later.end()}));
-}
-
-std::vector<Cell> where_in(const FrequencyExperiment& experiment, const std::vector<double>& residual,
-                           std::size_t) {
-  return where(experiment.record(), residual);
-}
-
 }  // namespace
 
 std::vector<double> whole_residual(const Model& model, const TimeExperiment& experiment) {
@@ -128,11 +116,14 @@ std::vector<Cell> GapMeter::where(const Model& model) const {
   const auto largest = static_cast<std::size_t>(
       std::max_element(all.begin(), all.end(), [](auto a, auto b) { return rms(a) < rms(b); }) - all.begin());
   if (!std::isfinite(rms(all[largest]))) return {};
-  return std::visit(
-      [&](const auto& kind) {
-        return where_in(kind, {all[largest].begin(), all[largest].end()}, holdout_from_[largest]);
-      },
-      study_.holdout()[largest]);
+  const std::vector<double> residual(all[largest].begin(), all[largest].end());
+  const std::size_t from = holdout_from_[largest];
+  return std::visit(Visitor{[&](const TimeExperiment& e) {
+                              return gap::where(e.record(), residual, from,
+                                                find_period(std::span(e.record().u).subspan(from)));
+                            },
+                            [&](const FrequencyExperiment& e) { return gap::where(e.record(), residual); }},
+                    study_.holdout()[largest]);
 }
 
 std::span<const double> GapMeter::holdout_residual(const Model& model, std::size_t record) const {

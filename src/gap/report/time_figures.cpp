@@ -70,10 +70,10 @@ std::size_t worst_stretch(const BeforeAndAfter& s, std::size_t width) {
   return best;
 }
 
-Series curve(const BeforeAndAfter& s, std::string name, const std::vector<double>& y, std::size_t from,
+Series curve(std::string name, const std::vector<double>& x, const std::vector<double>& y, std::size_t from,
              std::size_t to, int color) {
   Series c = series_of(std::move(name), color);
-  c.x = slice(s.time, from, to);
+  c.x = slice(x, from, to);
   c.y = slice(y, from, to);
   c.width = 1.4;
   return report::thinned(std::move(c), kMaxPoints);
@@ -87,9 +87,9 @@ Plot zoomed_output(const BeforeAndAfter& s) {
   plot.title = "Where the base model is worst";
   plot.x.label = "time, s";
   plot.y.label = "output y";
-  plot.series = {curve(s, "measured", s.record.y, from, to, kMeasured),
-                 curve(s, "base model", s.before, from, to, kBase),
-                 curve(s, "extended model", s.after, from, to, kExtended)};
+  plot.series = {curve("measured", s.time, s.record.y, from, to, kMeasured),
+                 curve("base model", s.time, s.before, from, to, kBase),
+                 curve("extended model", s.time, s.after, from, to, kExtended)};
   plot.series[1].style = Series::Style::dashed;
   return plot;
 }
@@ -101,8 +101,8 @@ Plot residual_over_time(const BeforeAndAfter& s) {
   plot.x.label = "time, s";
   plot.y.label = "residual";
   plot.height = 240;
-  plot.series = {curve(s, "base model", s.residual_before, s.first, n, kBase),
-                 curve(s, "extended model", s.residual_after, s.first, n, kExtended)};
+  plot.series = {curve("base model", s.time, s.residual_before, s.first, n, kBase),
+                 curve("extended model", s.time, s.residual_after, s.first, n, kExtended)};
   return plot;
 }
 
@@ -112,15 +112,9 @@ Plot residual_over_input(const BeforeAndAfter& s) {
   plot.title = "Residual over the input";
   plot.x.label = "input u";
   plot.y.label = "measured minus model";
-  const auto loop = [&](const char* name, const std::vector<double>& e, int color) {
-    Series c = series_of(name, color);
-    c.width = 0.8;
-    c.x = slice(s.record.u, s.first, to);
-    c.y = slice(e, s.first, to);
-    return c;
-  };
-  plot.series = {loop("base model", s.residual_before, kBase),
-                 loop("extended model", s.residual_after, kExtended)};
+  plot.series = {curve("base model", s.record.u, s.residual_before, s.first, to, kBase),
+                 curve("extended model", s.record.u, s.residual_after, s.first, to, kExtended)};
+  for (Series& one : plot.series) one.width = 0.8;
   return plot;
 }
 

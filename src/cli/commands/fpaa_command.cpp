@@ -205,14 +205,14 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
   std::string out = fmt::format(
       "{}: {} CAMs, {} op-amps on {} chip{} of {}, clocks {}\n"
       "as it runs, {} to {}: {} % ({} dB, {} deg) at {} worst; every switch of every clock in it\n"
-      "{}"
+      "{}{}"
       "kT/C noise in the band: {} uV with units of {} fF\n"
       "largest input: {} V\n",
       plan.topology, cams.size(), plan.opamps(), plan.chips.size(), plan.chips.size() == 1 ? "" : "s",
       plan.board, clocks_text(plan), engineering_text(runs.band.from.value, "Hz", 4),
       engineering_text(runs.band.to.value, "Hz", 4), rounded_text(runs.max_complex_percent),
       rounded_text(runs.max_magnitude_db), rounded_text(runs.max_phase_deg),
-      engineering_text(runs.worst.value, "Hz", 4), total_text(plan),
+      engineering_text(runs.worst.value, "Hz", 4), settling_text(plan, budget.opamp), total_text(plan),
       rounded_text(budget.assumptions.noise.microvolts(budget.noise_in_band_kt_per_cu), 3),
       rounded_text(1e15 * budget.assumptions.noise.unit_capacitance_f), rounded_text(plan.max_input_v));
   const auto add_image = [&](const char* what, const std::optional<fpaa::ImageLine>& image) {

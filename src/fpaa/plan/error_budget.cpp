@@ -1,11 +1,14 @@
 #include "fpaa/plan/error_budget.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
 #include "base/documents/json.hpp"
+#include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/error_reference.hpp"
 #include "fpaa/plan/plan_limits.hpp"
@@ -175,6 +178,19 @@ ErrorBudget error_budget(const Plan& plan, const Sections& sections, const Board
     out.noise_in_band_kt_per_cu += share.noise_in_band_kt_per_cu;
   }
   return out;
+}
+
+std::string settling_text(const Plan& plan, const schematic::OpAmpModel& opamp) {
+  ErrorBudget left_out;
+  left_out.opamp = opamp;
+  left_out.cams.resize(plan.cams().size());
+  add_settling(plan, left_out);
+  if (left_out.settling_percent < std::max(0.02, 0.02 * plan.error_with_delays.max_complex_percent))
+    return "";
+  return fmt::format("not in it: op-amps of {} (assumed) follow late, up to {} points at {}\n",
+                     engineering_text(opamp.gain_bandwidth.value, "Hz"),
+                     rounded_text(left_out.settling_percent, 2),
+                     engineering_text(plan.error.band.to.value, "Hz", 4));
 }
 
 Json ErrorBudget::to_json() const {

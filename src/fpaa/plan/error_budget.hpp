@@ -48,6 +48,10 @@ struct ErrorBudget {
 ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions,
                          const schematic::OpAmpModel& opamp);
 
+/// A line on what `error_with_delays` leaves out, whose op-amps settle; empty where that is less than ngspice on the board's
+/// netlist may differ from it (2 % of it, .02 points).
+std::string settling_text(const Plan& plan, const schematic::OpAmpModel& opamp);
+
 /// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and 300 drawn boards.
 PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,
                      const BoardAssumptions& assumptions);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "fpaa/plan/error_budget.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "schematic/writers/kicad/schematic.hpp"
 
@@ -142,6 +143,8 @@ void board_chapter(report::Page& page, const Run& run) {
                                 rounded_text(plan->total->p95_percent, 3))
                   : "",
       engineering_text(plan->max_input_v, "V")));
+  if (const std::string left_out = settling_text(*plan, fpaa::default_opamp()); !left_out.empty())
+    page.paragraph("As the board runs, " + left_out);
   page.figure(fpaa::board_picture_svg(*plan), "Chips, configurable blocks, wires and what is used of them.");
   page.table(cams_table(*plan),
              "As entered in the designer; the full build sheet is in the folder of the plan.");

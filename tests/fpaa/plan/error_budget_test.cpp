@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/plan_limits.hpp"
 #include "fpaa/seed_sections.hpp"
@@ -32,6 +33,10 @@ TEST(ErrorBudget, PartsOfTheSeedsPlan) {
   for (const auto& cam : slow.cams) settling += cam.settling_percent;
   EXPECT_GT(settling, 0.1);
   EXPECT_DOUBLE_EQ(slow.settling_percent, settling);
+  EXPECT_EQ(settling_text(plan, slow.opamp),
+            fmt::format("not in it: op-amps of 10 kHz (assumed) follow late, up to {} points at {}\n",
+                        rounded_text(settling, 2), engineering_text(plan.error.band.to.value, "Hz", 4)));
+  EXPECT_EQ(settling_text(plan, schematic::OpAmpModel::one_pole({1e12}, 1e12)), "");
 }
 
 // One board that is told of other capacitors again and again, and one that is made of them.

@@ -79,7 +79,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   // A second time, as values far off may still be on their way.
   if (leave_out_wrong_starts(options, records, model))
     model = fit_in_turn(setting, records, refit_base(setting, records)).model;
-  follow_what_is_left(records.stretches, records.train, model, options.stretches);
+  records.stretches = stretches_of(records.train, model, options.stretches);
   result.base = model;
   setting.first_gap = rms_of(model, records.train);
   beam.best.model = std::move(model);

@@ -28,8 +28,7 @@ Experiments as_searched(Experiments experiments) {
 
 SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model) {
   SearchRecords records{as_searched(train), {}};
-  records.stretches = stretches_of(records.train, options);
-  lengthen_leads(records.stretches, records.train, model);
+  records.stretches = stretches_of(records.train, model, options);
   return records;
 }
 

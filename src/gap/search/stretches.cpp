@@ -6,15 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/whole_number.hpp"
 #include "gap/runner.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-/// It is moved to where this much more is left (mean square).
-constexpr double kFarMore = 2.0;
 /// A stretch's model does what it does in the whole record: parts of what it leaves.
 constexpr double kSettled = 0.05;
 
@@ -23,20 +19,6 @@ struct Part {
   std::size_t begin = 0;
   std::size_t end = 0;
 };
-
-TimeRecord cut(const TimeRecord& record, const Part& part) {
-  TimeRecord out;
-  out.file = record.file;
-  out.step_s = record.step_s;
-  out.start_s = record.time_s(part.begin);
-  const auto kept = [&](const std::vector<double>& v) {
-    const auto samples = std::span(v).subspan(part.begin, part.end - part.begin);
-    return std::vector<double>(samples.begin(), samples.end());
-  };
-  out.u = kept(record.u);
-  out.y = kept(record.y);
-  return out;
-}
 
 /// `samples` with most energy and `lead` before them, of a signal.
 Part liveliest(std::span<const double> signal, std::size_t lead, std::size_t samples) {
@@ -56,110 +38,63 @@ Part liveliest(std::span<const double> signal, std::size_t lead, std::size_t sam
   return {best, best + lead + samples};
 }
 
-/// The record's output about its middle, as far as it is scored.
-std::vector<double> about_middle(const TimeExperiment& experiment) {
-  std::vector<double> y(experiment.record().y.begin(),
-                        experiment.record().y.begin() + static_cast<std::ptrdiff_t>(experiment.end()));
-  const double middle = mean(y);
-  for (double& v : y) v -= middle;
-  return y;
-}
-
-TimeExperiment stretch_of(const TimeRecord& record, const Part& part, std::size_t lead) {
-  TimeExperiment stretch(cut(record, part), lead);
+/// A part of a record, its first `lead` samples run and not scored.
+TimeExperiment stretch_of(const TimeExperiment& whole, const Part& part, std::size_t lead) {
+  const auto kept = [&](const std::vector<double>& v) {
+    const auto samples = std::span(v).subspan(part.begin, part.end - part.begin);
+    return std::vector<double>(samples.begin(), samples.end());
+  };
+  TimeRecord record;
+  record.file = whole.file();
+  record.step_s = whole.record().step_s;
+  record.start_s = whole.record().time_s(part.begin);
+  record.u = kept(whole.record().u);
+  record.y = kept(whole.record().y);
+  TimeExperiment stretch(std::move(record), lead);
   stretch.set_coarse();
+  stretch.set_holds(whole.holds());
   return stretch;
 }
 
-/// A stretch, and where it lies in its record.
-struct Placed {
-  Part part;
-  std::size_t scored_from = 0;
-};
-
-Placed place_of(const TimeExperiment& stretch, const TimeRecord& record) {
-  const auto begin = nearest_whole<std::size_t>((stretch.record().start_s - record.start_s) / record.step_s);
-  return {{begin, begin + stretch.record().size()}, begin + stretch.first()};
-}
-
-/// Whether a stretch is followed as the whole record is; one that cannot be run is not asked.
-bool is_settled_in(const TimeExperiment& stretch, const Placed& at, const TimeRecord& record,
+/// Whether a stretch is followed as the whole record is, of which the model makes `whole`.
+bool is_settled_in(const TimeExperiment& stretch, const Part& part, const TimeRecord& record,
                    const std::vector<double>& whole, const Model& model) {
   const auto own = output_of(model, stretch);
-  if (own.size() < at.part.end - at.part.begin || whole.size() < at.part.end) return true;
+  if (own.size() < part.end - part.begin) return true;
   double difference = 0.0;
   double left = 0.0;
-  for (std::size_t i = at.scored_from; i < at.part.end; ++i) {
-    difference += std::pow(own[i - at.part.begin] - whole[i], 2);
+  for (std::size_t i = part.begin + stretch.first(); i < part.end; ++i) {
+    difference += std::pow(own[i - part.begin] - whole[i], 2);
     left += std::pow(record.y[i] - whole[i], 2);
   }
   return difference <= kSettled * kSettled * left;
 }
 
-/// A longer lead where the model needs one; `output`: its own, of the whole record.
-void lengthen_lead(TimeExperiment& stretch, const TimeExperiment& whole, const std::vector<double>& output,
-                   const Model& model) {
-  const TimeRecord& record = whole.record();
-  const Placed at = place_of(stretch, record);
-  if (at.part.begin == 0 || is_settled_in(stretch, at, record, output, model)) return;
-  stretch = stretch_of(record, {0, at.part.end}, at.scored_from);
-}
-
-/// To where the model leaves far more than in the stretch.
-void move_to_what_is_left(TimeExperiment& stretch, const TimeExperiment& whole,
-                          const std::vector<double>& output, std::size_t lead) {
-  const TimeRecord& record = whole.record();
-  const Placed at = place_of(stretch, record);
-  std::vector<double> left(whole.end());
-  for (std::size_t i = whole.start(); i < left.size(); ++i) left[i] = record.y[i] - output[i];
-  const auto left_of = [&](std::size_t from, std::size_t to) {
-    const double part = rms(std::span(left).subspan(from, to - from));
-    return part * part;
-  };
-  const Part best = liveliest(left, lead, at.part.end - at.scored_from);
-  if (left_of(best.begin + lead, best.end) > kFarMore * left_of(at.scored_from, at.part.end))
-    stretch = stretch_of(record, best, lead);
-}
-
 }  // namespace
 
-Experiments stretches_of(const Experiments& train, const StretchOptions& options) {
+Experiments stretches_of(const Experiments& train, const Model& model, const StretchOptions& options) {
   Experiments stretches;
   if (scored_samples(train) <= 3 * options.samples / 2) return stretches;
-  const std::size_t each = options.samples / train.size();
   for (const auto& e : train) {
-    const auto* time = std::get_if<TimeExperiment>(&e);
-    if (time == nullptr) {
+    const auto* whole = std::get_if<TimeExperiment>(&e);
+    if (whole == nullptr) {
       stretches.push_back(e);
       continue;
     }
-    const std::size_t lead = std::max(time->start(), options.min_lead);
-    stretches.emplace_back(stretch_of(time->record(), liveliest(about_middle(*time), lead, each), lead));
+    const TimeRecord& record = whole->record();
+    const auto output = output_of(model, *whole);
+    const bool runs = output.size() >= whole->end();
+    std::vector<double> left(whole->end(), 0.0);
+    for (std::size_t i = whole->start(); i < left.size(); ++i)
+      left[i] = record.y[i] - (runs ? output[i] : 0.0);
+    const std::size_t lead = std::max(whole->start(), options.min_lead);
+    const Part part = liveliest(left, lead, options.samples / train.size());
+    auto stretch = stretch_of(*whole, part, lead);
+    if (part.begin > 0 && runs && !is_settled_in(stretch, part, record, output, model))
+      stretch = stretch_of(*whole, {0, part.end}, part.begin + lead);
+    stretches.emplace_back(std::move(stretch));
   }
   return stretches;
-}
-
-void lengthen_leads(Experiments& stretches, const Experiments& train, const Model& model) {
-  for (std::size_t k = 0; k < stretches.size(); ++k) {
-    auto* stretch = std::get_if<TimeExperiment>(&stretches[k]);
-    if (stretch == nullptr) continue;
-    const auto& whole = std::get<TimeExperiment>(train[k]);
-    if (place_of(*stretch, whole.record()).part.begin == 0) continue;
-    lengthen_lead(*stretch, whole, output_of(model, whole), model);
-  }
-}
-
-void follow_what_is_left(Experiments& stretches, const Experiments& train, const Model& model,
-                         const StretchOptions& options) {
-  for (std::size_t k = 0; k < stretches.size(); ++k) {
-    auto* stretch = std::get_if<TimeExperiment>(&stretches[k]);
-    if (stretch == nullptr) continue;
-    const auto& whole = std::get<TimeExperiment>(train[k]);
-    const auto output = output_of(model, whole);
-    if (output.size() < whole.end()) continue;  // it cannot be run
-    move_to_what_is_left(*stretch, whole, output, std::max(whole.start(), options.min_lead));
-    lengthen_lead(*stretch, whole, output, model);
-  }
 }
 
 }  // namespace bodesmith::gap

@@ -51,7 +51,6 @@ DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   s.tied_with = step.tied_with;
   s.placed = step.placed;
   s.also_placed = step.also_placed;
-  s.before = meter.size(step.before);
   s.after = meter.size(step.after);
   return s;
 }
@@ -169,7 +168,6 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     d.steps[k].among_names = posterior.among_names[k];
     d.steps[k].probability = posterior.of_steps[k];
-    d.steps[k].grew = d.steps[k].after.holdout_rms > d.steps[k].before.holdout_rms;
   }
   d.alternatives = std::move(posterior.alternatives);
   d.outside = posterior.outside;

@@ -44,7 +44,7 @@ struct FoundParameter {
 /// The best candidate of another effect among those that a step was chosen from; null: there was none.
 const Ranked* runner_up_of(const Step& step);
 
-/// One term that was found, with the gap before it and after it.
+/// One term that was found, with the gap that it leaves.
 struct DiagnosedStep {
   std::string effect;
   std::vector<std::string> tied_with;
@@ -52,11 +52,9 @@ struct DiagnosedStep {
   std::vector<std::string> also_placed;
   std::string part;  ///< Term::part
   std::vector<FoundParameter> parameters;
-  GapSize before;
   GapSize after;
   double among_names = 0.0;  ///< Posterior::among_names
   double probability = 0.0;  ///< Posterior::of_steps
-  bool grew = false;         ///< the held-out gap is larger with it
 };
 
 struct Diagnosis {
@@ -85,6 +83,9 @@ struct Diagnosis {
   bool weighted = false;  ///< some of them by their coherence
   SearchResult search;
   double compute_s = 0.0;
+
+  /// The gap that a step found.
+  const GapSize& before(std::size_t step) const { return step == 0 ? refitted : steps[step - 1].after; }
 };
 
 Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOptions& options);

@@ -63,7 +63,7 @@ Json runner_up_json(const Step& step) {
           {"outcome", to_string(r->outcome)}};
 }
 
-Json json_of(const DiagnosedStep& s) {
+Json json_of(const DiagnosedStep& s, const GapSize& before) {
   Json parameters = Json::object();
   for (const auto& p : s.parameters)
     parameters[p.name] = {{"value", p.value}, {"low", p.low}, {"high", p.high}};
@@ -73,9 +73,9 @@ Json json_of(const DiagnosedStep& s) {
           {"also_placed", s.also_placed},
           {"part", s.part},
           {"parameters", parameters},
-          {"holdout_rms_before", finite_or_null(s.before.holdout_rms)},
+          {"holdout_rms_before", finite_or_null(before.holdout_rms)},
           {"holdout_rms_after", finite_or_null(s.after.holdout_rms)},
-          {"train_rms_before", finite_or_null(s.before.train_rms)},
+          {"train_rms_before", finite_or_null(before.train_rms)},
           {"train_rms_after", finite_or_null(s.after.train_rms)},
           {"probability", s.probability}};
 }
@@ -135,7 +135,7 @@ Json to_json(const Diagnosis& d) {
         {{"file", o.file}, {"value", o.value}, {"share", o.share}, {"holdout_rms_without", o.rms_without}});
   j["steps"] = Json::array();
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
-    Json step = json_of(d.steps[k]);
+    Json step = json_of(d.steps[k], d.before(k));
     step["runner_up"] = runner_up_json(d.search.steps[k]);
     step["candidates"] = json_of(d.search.steps[k].ranking);
     step["log_evidence_without"] = finite_or_null(d.search.steps[k].log_evidence_without);

@@ -37,27 +37,19 @@ Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
 }
 
 /// The names one after the other, each with what it was chosen from.
-std::vector<Step> steps_of(const SearchSetting& setting, const Model& base, Beam& beam) {
-  const auto& set = beam.best;
-  const auto& terms = set.model.terms();
-  std::vector<Model> first(terms.size() + 1, set.model);
-  first[0] = base;
-  for (std::size_t k = terms.size(); k-- > 1;) {
-    first[k] = first[k + 1];
-    first[k].remove(k);
-    if (!setting.options.stopped()) first[k] = fit_in_turn(setting, beam.records, std::move(first[k])).model;
-  }
-  std::vector<Step> steps;
-  for (std::size_t k = 0; k < terms.size(); ++k) {
-    Step step;
-    step.effect = terms[k].effect;
-    step.placed = terms[k].placed;
-    step.before = first[k];
-    step.after = first[k + 1];
+std::vector<Step> steps_of(const SearchSetting& setting, Beam& beam) {
+  Model model = beam.best.model;
+  std::vector<Step> steps(model.terms().size());
+  for (std::size_t k = steps.size(); k-- > 0;) {
+    Step& step = steps[k];
+    step.effect = model.terms()[k].effect;
+    step.placed = model.terms()[k].placed;
+    step.after = model;
     step.ranking = std::move(beam.best.rivals[k].ranking);
     step.log_evidence_without = beam.best.rivals[k].log_evidence_without;
     judge_ranking(step);
-    steps.push_back(std::move(step));
+    model.remove(k);
+    if (k > 0 && !setting.options.stopped()) model = fit_in_turn(setting, beam.records, std::move(model)).model;
   }
   return steps;
 }
@@ -86,7 +78,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   search_sets(setting, beam);
   result.stopped = options.stopped();
   result.late = options.is_late();
-  result.steps = steps_of(setting, result.base, beam);
+  result.steps = steps_of(setting, beam);
   result.refused = std::move(beam.refused);
   result.not_tried = std::move(beam.not_tried);
   result.floor = floor_under(beam.best.model, records);

@@ -45,7 +45,6 @@ struct Step {
   std::vector<std::string> tied_with;
   std::string placed;
   std::vector<std::string> also_placed;  ///< other places at which the same effect fits as well
-  Model before;
   Model after;
   std::vector<Ranked> ranking;
   double log_evidence_without = 0.0;  ///< of the model that the ranking's candidates were put into

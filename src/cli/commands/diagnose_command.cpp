@@ -95,11 +95,13 @@ std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& f
   text += fmt::format("  base model: {} rms{} on training, {} on held-out records", rms(d.refitted.train_rms),
                       d.relative ? " of H_model/H_measured - 1" : "", rms(d.refitted.holdout_rms));
   text += d.relative ? "\n" : fmt::format(" ({:.3f} % of range)\n", d.refitted.holdout_percent_of_range);
-  for (const auto& s : d.steps) {
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
+    const auto& s = d.steps[k];
+    const double before = d.before(k).holdout_rms;
     text += fmt::format("  + {} ({}){}: held-out {} -> {}{}\n", s.effect, s.placed,
                         s.tied_with.empty() ? "" : ", indistinguishable from " + join(s.tied_with, ", "),
-                        rms(s.before.holdout_rms), rms(s.after.holdout_rms),
-                        s.grew ? ", which is more: the held-out records speak against it" : "");
+                        rms(before), rms(s.after.holdout_rms),
+                        s.after.holdout_rms > before ? ", which is more: the held-out records speak against it" : "");
   }
   const std::string floor = d.floor.source == gap::NoiseFloor::Source::unknown
                                 ? "unknown"

@@ -5,27 +5,22 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
-#include <random>
 #include <utility>
 
 #include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
-#include "numeric/random.hpp"
-#include "signal/statistics.hpp"
+#include "simulate/references.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 using Drive = std::vector<double>;
 
-constexpr std::size_t kMaxSamplesOfDrive = 3000;
-/// Sines of a multisine.
-constexpr int kSines = 12;
+constexpr double kMaxSamplesOfDrive = 3000;
 
 struct Rivals {
   std::vector<Model> models;
@@ -60,84 +55,73 @@ DriveLimits limits_of(const Experiments& train, const DriveRequest& request) {
   limits.high = request.upper.value_or(std::max(0.0, driven.upper));
   limits.max_rate = request.max_rate.value_or(driven.max_rate_per_s);
   const double duration = first.step_s * static_cast<double>(first.size());
-  const double most =
-      request.duration_s ? DriveRequest::kMostSamples : static_cast<double>(kMaxSamplesOfDrive);
+  const double most = request.duration_s ? DriveRequest::kMostSamples : kMaxSamplesOfDrive;
   limits.samples =
-      static_cast<std::size_t>(std::clamp(request.duration_s.value_or(duration) / limits.step_s, 16.0, most));
+      static_cast<std::size_t>(std::clamp(request.duration_s.value_or(duration) / limits.step_s, 64.0, most));
   return limits;
 }
 
-/// A wave of -1 … 1 about the middle of the range, from zero on and no faster than allowed.
-Drive within_limits(const DriveLimits& limits, const std::function<double(double)>& wave) {
+/// A drive of its own, from zero on and no faster than allowed.
+Drive within_limits(const DriveLimits& limits, const Drive& wanted) {
   Drive u(limits.samples, std::clamp(0.0, limits.low, limits.high));
   const double step = limits.max_rate * limits.step_s;
-  for (std::size_t i = 1; i < u.size(); ++i) {
-    const double wanted = limits.middle() + limits.half() * wave(limits.step_s * static_cast<double>(i));
-    u[i] = std::clamp(u[i - 1] + std::clamp(wanted - u[i - 1], -step, step), limits.low, limits.high);
-  }
+  for (std::size_t i = 1; i < u.size(); ++i)
+    u[i] = std::clamp(u[i - 1] + std::clamp(wanted[i] - u[i - 1], -step, step), limits.low, limits.high);
   return u;
 }
 
-double triangle(double cycles) {
-  const double part = cycles - std::floor(cycles);
-  return part < 0.25 ? 4.0 * part : part < 0.75 ? 2.0 - 4.0 * part : 4.0 * part - 4.0;
+/// A reference of a part of the range, about its middle.
+Drive about_middle(const DriveLimits& limits, const char* kind, double size, double from_hz, double to_hz) {
+  const simulate::ReferenceSpec spec{.kind = kind,
+                                     .frequency = Hertz{from_hz},
+                                     .last = Hertz{to_hz},
+                                     .amplitude = size * limits.half(),
+                                     .offset = limits.middle(),
+                                     .duration_s = limits.duration_s(),
+                                     .step_s = limits.step_s};
+  return simulate::make_reference(spec).u;
 }
 
 using Drives = std::vector<std::pair<std::string, Drive>>;
-
-void add_multisine(Drives& all, const DriveLimits& limits, double size, double from_hz, double to_hz) {
-  std::mt19937_64 random(7);
-  std::vector<double> phase;
-  for (int k = 0; k < kSines; ++k) phase.push_back(2.0 * std::numbers::pi * unit_interval(random()));
-  all.emplace_back(fmt::format("multisine of {:.0f} % of the range to {:.3g} Hz", 100.0 * size, to_hz),
-                   within_limits(limits, [=](double t) {
-                     double sum = 0.0;
-                     for (int k = 0; k < kSines; ++k) {
-                       const double hz = from_hz * std::pow(to_hz / from_hz, k / (kSines - 1.0));
-                       sum += std::sin(2.0 * std::numbers::pi * hz * t + phase[static_cast<std::size_t>(k)]);
-                     }
-                     return size * std::clamp(sum / 6.0, -1.0, 1.0);
-                   }));
-}
-
-void add_sweep(Drives& all, const DriveLimits& limits, double size, double from_hz, double to_hz) {
-  const double T = limits.duration_s();
-  all.emplace_back(
-      fmt::format("sweep of {:.0f} % of the range from {:.3g} to {:.3g} Hz", 100.0 * size, from_hz, to_hz),
-      within_limits(limits, [=](double t) {
-        const double log_ratio = std::log(to_hz / from_hz);
-        return size * std::sin(2.0 * std::numbers::pi * from_hz * T / log_ratio *
-                               (std::exp(log_ratio * t / T) - 1.0));
-      }));
-}
 
 /// The drives that are tried. A sine of a part of the range may be as much faster within the same rate, to a tenth of
 /// the sampling rate.
 Drives drives(const DriveLimits& limits) {
   const double full_hz = limits.max_rate / (2.0 * std::numbers::pi * std::max(limits.half(), 1e-300));
   const double slowest_hz = 2.0 / limits.duration_s();
-  const double T = limits.duration_s();
   Drives all;
+  const auto add = [&](std::string shape, const Drive& wanted) {
+    all.emplace_back(std::move(shape), within_limits(limits, wanted));
+  };
   for (const double size : {1.0, 0.3, 0.1}) {
+    const std::string of_range = fmt::format("of {:.0f} % of the range", 100.0 * size);
     const double top_hz =
         std::clamp(full_hz / size, 4.0 * slowest_hz, std::max(0.1 / limits.step_s, 4.0 * slowest_hz));
     for (const double part : {1.0, 0.2}) {
       const double to = std::max(part * top_hz, 4.0 * slowest_hz);
-      add_multisine(all, limits, size, slowest_hz, to);
-      all.emplace_back(fmt::format("triangles of {:.0f} % of the range at {:.3g} Hz", 100.0 * size, 0.5 * to),
-                       within_limits(limits, [=](double t) { return size * triangle(0.5 * to * t); }));
+      add(fmt::format("multisine {} to {:.3g} Hz", of_range, to),
+          about_middle(limits, "multisine", size, slowest_hz, to));
+      add(fmt::format("triangles {} at {:.3g} Hz", of_range, 0.5 * to),
+          about_middle(limits, "triangle", size, 0.5 * to, to));
     }
-    add_sweep(all, limits, size, slowest_hz, top_hz);
+    add(fmt::format("sweep {} from {:.3g} to {:.3g} Hz", of_range, slowest_hz, top_hz),
+        about_middle(limits, "chirp", size, slowest_hz, top_hz));
   }
+  const auto part_of = [&](std::size_t i) {
+    return static_cast<double>(i) / static_cast<double>(limits.samples);
+  };
   for (const double cycles : {8.0, 24.0}) {
-    all.emplace_back(
-        fmt::format("{} triangles of falling size", cycles),
-        within_limits(limits, [=](double t) { return (1.0 - 0.9 * t / T) * triangle(cycles * t / T); }));
+    Drive falling = about_middle(limits, "triangle", 1.0, cycles / limits.duration_s(), 1.0);
+    for (std::size_t i = 0; i < falling.size(); ++i)
+      falling[i] -= 0.9 * part_of(i) * (falling[i] - limits.middle());
+    add(fmt::format("{} triangles of falling size", cycles), falling);
   }
-  all.emplace_back("steps of several sizes, with rests", within_limits(limits, [=](double t) {
-                     constexpr double kLevels[] = {0.9, 0.0, -0.9, 0.3, -0.3, 0.9, -0.9, 0.0};
-                     return kLevels[static_cast<std::size_t>(8.0 * t / T) % 8];
-                   }));
+  Drive steps(limits.samples);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    constexpr double kLevels[] = {0.9, 0.0, -0.9, 0.3, -0.3, 0.9, -0.9, 0.0};
+    steps[i] = limits.middle() + limits.half() * kLevels[static_cast<std::size_t>(8.0 * part_of(i))];
+  }
+  add("steps of several sizes, with rests", steps);
   return all;
 }
 

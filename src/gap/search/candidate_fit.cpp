@@ -54,24 +54,6 @@ struct Racer {
   FittedModel now;
 };
 
-double least_rms(const std::vector<Racer>& racers) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& r : racers) least = std::min(least, r.now.rms);
-  return least;
-}
-
-/// On to the end of all that are in the running.
-void fit_to_the_end(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
-  const auto options = fit_options(setting.options, setting.options.iterations);
-  const double leader = least_rms(racers);
-  parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-    auto& now = racers[i].now;
-    if (setting.options.is_late() || now.rms > setting.options.round.far_behind * leader) return;
-    auto fitted = fit(now.model, records.look(), options);
-    if (fitted.usable() && fitted.rms <= now.rms) now = std::move(fitted);
-  });
-}
-
 /// The value around the one that unknown `at` has, the others as they are, at which least is left; nothing where that is it.
 std::optional<double> least_around(const FittedModel& now, const Experiments& look, std::size_t at,
                                    const Unknown& u) {
@@ -107,11 +89,17 @@ void comb(const SearchSetting& setting, const SearchRecords& records, Racer& rac
   }
 }
 
-/// The same for all that are in the running.
-void comb_leaders(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
-  const double leader = least_rms(racers);
+/// On to the end of all that are in the running.
+void fit_to_the_end(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
+  const auto options = fit_options(setting.options, setting.options.iterations);
+  double leader = std::numeric_limits<double>::infinity();
+  for (const auto& r : racers) leader = std::min(leader, r.now.rms);
   parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-    if (racers[i].now.rms < setting.options.round.far_behind * leader) comb(setting, records, racers[i]);
+    auto& now = racers[i].now;
+    if (setting.options.is_late() || now.rms > setting.options.round.far_behind * leader) return;
+    auto fitted = fit(now.model, records.look(), options);
+    if (fitted.usable() && fitted.rms <= now.rms) now = std::move(fitted);
+    comb(setting, records, racers[i]);
   });
 }
 
@@ -129,7 +117,6 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
     if (begun[i]) racers.push_back({i, std::move(*begun[i])});
   }
   fit_to_the_end(setting, records, racers);
-  comb_leaders(setting, records, racers);
   std::vector<std::optional<Ranked>> ranked(candidates.size());
   parallel_for(racers.size(), options.threads, [&](std::size_t i) {
     const auto& candidate = candidates[racers[i].candidate];

@@ -84,7 +84,7 @@ TEST(TwoNames, ADelayUnderADriftOfManyTimesItsSizeIsNamed) {
       0.002);
   EXPECT_EQ(names_of(d), (std::set<std::string>{"drift", "time_delay"}));
   EXPECT_LT(d.final.train_rms, 1.1 * 0.002);
-  EXPECT_LT(d.steps.back().before.train_rms, 0.08 * d.refitted.train_rms);
+  EXPECT_LT(d.before(d.steps.size() - 1).train_rms, 0.08 * d.refitted.train_rms);
 }
 
 TEST(TwoNames, WhatOnlyTheHeldOutRecordHoldsIsNotNothing) {

@@ -167,7 +167,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   auto posterior = posterior_of(d.search, more_is_left, share_left(d, more_is_left));
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     d.steps[k].among_names = posterior.among_names[k];
-    d.steps[k].probability = posterior.of_steps[k];
+    d.steps[k].probability = (1.0 - posterior.outside) * posterior.among_names[k];
   }
   d.alternatives = std::move(posterior.alternatives);
   d.outside = posterior.outside;

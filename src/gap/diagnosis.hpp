@@ -54,7 +54,7 @@ struct DiagnosedStep {
   std::vector<FoundParameter> parameters;
   GapSize after;
   double among_names = 0.0;  ///< Posterior::among_names
-  double probability = 0.0;  ///< Posterior::of_steps
+  double probability = 0.0;  ///< the same with what may be outside
 };
 
 struct Diagnosis {

@@ -94,21 +94,11 @@ std::string inside_block(const Model& model, std::size_t position) {
 }
 
 Unknown linear_unknown(std::string name, double low, double high, double scale) {
-  Unknown u;
-  u.name = std::move(name);
-  u.low = low;
-  u.high = high;
-  u.scale = scale;
-  return u;
+  return {.name = std::move(name), .low = low, .high = high, .scale = scale};
 }
 
 Unknown logarithmic_unknown(std::string name, double low, double high) {
-  Unknown u;
-  u.name = std::move(name);
-  u.low = low;
-  u.high = high;
-  u.logarithmic = true;
-  return u;
+  return {.name = std::move(name), .low = low, .high = high, .logarithmic = true};
 }
 
 std::vector<std::size_t> places_of_unused(const Scene& scene, std::string_view key) {

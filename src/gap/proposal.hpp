@@ -19,6 +19,8 @@ using Starts = std::vector<std::vector<double>>;
 struct Proposal {
   Model model;
   Starts starts;
+
+  const Term& term() const { return model.terms().back(); }
 };
 
 /// Turns the values of a term's unknowns into its block's parameters.

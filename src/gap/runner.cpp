@@ -17,12 +17,24 @@ namespace {
 /// Runs over fewer samples take less than some tenths of a millisecond.
 constexpr std::size_t kFewSamples = 1500;
 
+simulate::RecordOptions engine_options(const TimeExperiment& experiment) {
+  simulate::RecordOptions o;
+  o.start_s = experiment.record().start_s;
+  o.oversample = experiment.holds();
+  o.same_input = true;
+  // A search need not follow wild values to their end, nor leading ones to the last digit.
+  o.max_parts = 3.0;
+  o.newton_tolerance = experiment.coarse() ? 1e-8 : 1e-10;
+  if (experiment.coarse()) o.max_turn_rad = 1.6;
+  return o;
+}
+
 class TimeBench final : public Bench {
  public:
   /// `lines`: places of blocks whose size and phase are the record's own.
   TimeBench(const chain::Chain& chain, std::vector<std::size_t> lines, const TimeExperiment& experiment)
       : experiment_(experiment),
-        simulator_(chain, experiment.record().step_s, options(experiment)),
+        simulator_(chain, experiment.record().step_s, engine_options(experiment)),
         lines_(std::move(lines)) {}
 
   chain::Chain& chain() override { return simulator_.chain(); }
@@ -42,23 +54,7 @@ class TimeBench final : public Bench {
     return !simulator_.diverged() && std::isfinite(sum_of_squares);
   }
 
-  std::vector<double> output() override {
-    const auto y = simulator_.run(experiment_.record().u);
-    return {y.begin(), y.end()};
-  }
-
  private:
-  static simulate::RecordOptions options(const TimeExperiment& experiment) {
-    simulate::RecordOptions o;
-    o.start_s = experiment.record().start_s;
-    o.oversample = experiment.holds();
-    o.same_input = true;
-    // A search need not follow wild values to their end, nor leading ones to the last digit.
-    o.max_parts = 3.0;
-    o.newton_tolerance = experiment.coarse() ? 1e-8 : 1e-10;
-    if (experiment.coarse()) o.max_turn_rad = 1.6;
-    return o;
-  }
   /// What the lines of the mains explain, which each record has of its own.
   void take_out_lines(std::span<double> residual) {
     if (lines_.empty()) return;
@@ -102,8 +98,6 @@ class FrequencyBench final : public Bench {
     return true;
   }
 
-  std::vector<double> output() override { return {}; }
-
  private:
   chain::Chain chain_;
   FrequencyExperiment experiment_;
@@ -139,18 +133,13 @@ Runner::Runner(const Model& model, const Experiments& experiments) : model_(mode
 Runner::~Runner() = default;
 Runner::Runner(Runner&&) noexcept = default;
 
-bool Runner::apply(std::span<const double> values) {
-  model_.set_values(values);
-  if (!model_.validation_error().empty()) return false;
-  for (auto& b : benches_) copy_values(model_, b->chain());
-  return true;
-}
-
 bool Runner::operator()(std::span<const double> values, std::vector<double>& out) {
   out.clear();
   try {
-    if (!apply(values)) return false;
+    model_.set_values(values);
+    if (!model_.validation_error().empty()) return false;
     for (auto& b : benches_) {
+      copy_values(model_, b->chain());
       if (!b->residuals(out)) return false;
     }
     return true;
@@ -158,13 +147,6 @@ bool Runner::operator()(std::span<const double> values, std::vector<double>& out
       const InputError&) {  // a relation between parameters that an engine needs and a trial value breaks
     return false;
   }
-}
-
-std::vector<std::vector<double>> Runner::outputs(std::span<const double> values) {
-  std::vector<std::vector<double>> all;
-  if (!apply(values)) return all;
-  for (auto& b : benches_) all.push_back(b->output());
-  return all;
 }
 
 Runners::Runners(const Model& model, const Experiments& experiments)
@@ -243,8 +225,9 @@ std::vector<double> output_of(const Model& model, const TimeExperiment& experime
 }
 
 std::vector<double> bare_output_of(const Model& model, const TimeExperiment& experiment) {
-  auto outputs = Runner(model, {experiment}).outputs(current_values(model));
-  return outputs.empty() ? std::vector<double>{} : std::move(outputs.front());
+  if (!model.validation_error().empty()) return {};
+  simulate::RecordSimulator simulator(model.chain(), experiment.record().step_s, engine_options(experiment));
+  return simulator.run_once(experiment.record().u);
 }
 
 double rms_of(const Model& model, const Experiments& experiments) {

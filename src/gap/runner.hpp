@@ -19,8 +19,6 @@ class Bench {
   /// Appends (model - measured) at every scored sample; false when the chain cannot be run with its present
   /// values (it runs away).
   virtual bool residuals(std::vector<double>& append) = 0;
-  /// The model's whole output, scored or not (time records; empty for frequency responses).
-  virtual std::vector<double> output() = 0;
 };
 
 /// One model structure on several records.
@@ -34,11 +32,8 @@ class Runner {
   /// Residuals at some values of the model's unknowns, for a fit: false where the model cannot be run. That
   /// is an outcome of a search, not an error of the user.
   bool operator()(std::span<const double> values, std::vector<double>& out);
-  /// Whole outputs, one a record; empty where the model cannot be run.
-  std::vector<std::vector<double>> outputs(std::span<const double> values);
 
  private:
-  bool apply(std::span<const double> values);
   Model model_;
   std::vector<std::unique_ptr<Bench>> benches_;
 };

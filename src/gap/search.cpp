@@ -49,7 +49,8 @@ std::vector<Step> steps_of(const SearchSetting& setting, Beam& beam) {
     step.log_evidence_without = beam.best.rivals[k].log_evidence_without;
     judge_ranking(step);
     model.remove(k);
-    if (k > 0 && !setting.options.stopped()) model = fit_in_turn(setting, beam.records, std::move(model)).model;
+    if (k > 0 && !setting.options.stopped())
+      model = fit_in_turn(setting, beam.records, std::move(model)).model;
   }
   return steps;
 }

@@ -75,7 +75,6 @@ Posterior posterior_of(const SearchResult& result, bool more_is_left, double sha
         held += set.probability;
     }
     out.among_names.push_back(std::min(1.0, held));
-    out.of_steps.push_back((1.0 - out.outside) * out.among_names.back());
   }
   double held = 0.0;
   for (const auto& set : sets) {

@@ -15,7 +15,6 @@ struct NamedSet {
 
 struct Posterior {
   std::vector<double> among_names;     ///< probability of each step's name, were the catalogue all there is
-  std::vector<double> of_steps;        ///< the same with what may be outside it
   std::vector<NamedSet> alternatives;  ///< most probable first, until they hold all but a twentieth (kTied)
   double outside = 0.0;                ///< that none of the catalogue is the whole answer
 };

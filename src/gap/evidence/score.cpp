@@ -164,9 +164,7 @@ double log_prior(const Model& model) {
   }
   double squares = 0.0;
   for (const auto& u : model.unknowns()) {
-    if (!(u.given_spread > 0.0)) continue;
-    const double off = u.logarithmic ? std::log(u.value / u.given) : u.value - u.given;
-    squares += off * off / (u.given_spread * u.given_spread);
+    if (u.given_spread > 0.0) squares += u.deviations(u.value) * u.deviations(u.value);
   }
   return names - 0.5 * squares;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -17,7 +18,7 @@ class Model;
 
 /// A number that a fit may change.
 struct Unknown {
-  std::string name;  ///< key with its unit
+  std::string name = {};  ///< key with its unit
   double value = 0.0;
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -36,6 +37,10 @@ struct Unknown {
 
   bool is_frequency() const { return unit == "Hz"; }
   bool moves_edges() const { return hop > 0.0; }
+  /// How far a value is off what was given, in its spread.
+  double deviations(double at) const {
+    return (logarithmic ? std::log(at / given) : at - given) / given_spread;
+  }
   bool at_bound() const { return value <= low || value >= high; }
 };
 

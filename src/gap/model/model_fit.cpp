@@ -12,18 +12,12 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Fits with another unit of the residual at the most.
-constexpr int kMaxUnits = 4;
-/// A unit is kept when what is left is more than this part of it.
+/// A unit of the residual is kept when what is left is more than this part of it.
 constexpr double kSameUnit = 0.5;
 
 /// Size of an initial state that free responses are found with, as a part of the output: small, so that
 /// nonlinear dynamics answer in proportion.
 constexpr double kNudge = 1e-5;
-
-double off_from_given(const Unknown& u, double value) {
-  return u.logarithmic ? std::log(value / u.given) : value - u.given;
-}
 
 /// `edges_held`: what moves edges across samples stays as it is.
 std::vector<SearchVariable> search_variables(const std::vector<Unknown>& unknowns, bool edges_held = false) {
@@ -63,8 +57,7 @@ FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions
     const Eigen::Index n = out.size();
     out.conservativeResize(n + eigen_index(known.size()));
     for (std::size_t i = 0; i < known.size(); ++i) {
-      const auto& u = unknowns[known[i]];
-      out(n + eigen_index(i)) = unit * off_from_given(u, v(eigen_index(known[i]))) / u.given_spread;
+      out(n + eigen_index(i)) = unit * unknowns[known[i]].deviations(v(eigen_index(known[i])));
     }
     return true;
   };
@@ -72,7 +65,7 @@ FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions
   // An edge on a sample (a clock of which the sampling is a multiple) jumps where a difference would tell a slope, and no step of all together
   // leaves less: the others come first.
   bool edges_held = std::ranges::any_of(unknowns, &Unknown::moves_edges);
-  for (int round = 0; round < kMaxUnits; ++round) {
+  for (;;) {
     auto& result = fitted.result;
     result = least_squares(search_variables(fitted.model.unknowns(), edges_held), residuals, options);
     if (!fitted.usable()) break;
@@ -80,7 +73,7 @@ FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions
     result.residuals.conservativeResize(result.residuals.size() - eigen_index(known.size()));
     fitted.rms = rms(to_vector(result.residuals));
     if (std::exchange(edges_held, false)) continue;
-    if (known.empty() || fitted.rms > kSameUnit * unit || (options.stop && options.stop())) break;
+    if (known.empty() || !(fitted.rms < kSameUnit * unit) || (options.stop && options.stop())) break;
     unit = fitted.rms;
   }
   return fitted;

@@ -21,7 +21,7 @@ constexpr int kHops = 20;
 /// Starts of a proposal that are tried, those that promise most and the one that leaves least: many of them lie close to each other, and
 /// many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
-  const bool many = p.proposal.model.terms().back().unknowns.size() >= options.many_unknowns;
+  const bool many = p.proposal.term().unknowns.size() >= options.many_unknowns;
   return std::min<std::size_t>(p.best_starts.size(), many ? 1 : p.proposal.starts.size() > 4 ? 4 : 3);
 }
 
@@ -120,7 +120,7 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   std::vector<std::optional<Ranked>> ranked(candidates.size());
   parallel_for(racers.size(), options.threads, [&](std::size_t i) {
     const auto& candidate = candidates[racers[i].candidate];
-    const auto& term = candidate.proposal.model.terms().back();
+    const auto& term = candidate.proposal.term();
     Ranked r;
     r.effect = term.effect;
     r.placed = term.placed;

@@ -14,10 +14,6 @@
 namespace bodesmith::gap {
 namespace {
 
-const Effect* effect_of(const Promising& p) {
-  return p.proposal.model.terms().back().effect;
-}
-
 double explained(double before, double after) {
   return std::sqrt(std::max(0.0, before * before - after * after));
 }
@@ -46,7 +42,7 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
     const double left = rms_of(first.model, records.look());
     std::set<const Effect*> effects;
     for (auto& second : look_round(setting, records, first.model)) {
-      if (effects.insert(effect_of(second)).second)
+      if (effects.insert(second.proposal.term().effect).second)
         all.emplace_back(left * std::sqrt(std::max(0.0, 1.0 - second.score)), std::move(second));
     }
   }

@@ -20,10 +20,6 @@ namespace {
 /// Of a name whose values are usually another effect's traces (Effect::is_implausible): one in twenty thousand.
 constexpr double kLogImplausible = -10.0;
 
-const Effect* effect_of(const Proposal& proposal) {
-  return proposal.model.terms().back().effect;
-}
-
 /// Twice the same is one term with more freedom than it says.
 bool repeats_earlier_term(const Proposal& proposal, bool in_response) {
   const auto& terms = proposal.model.terms();
@@ -55,9 +51,9 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
   }
   std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
   std::map<const Effect*, std::size_t> places;
-  for (const auto& p : proposals) ++places[effect_of(p)];
+  for (const auto& p : proposals) ++places[p.term().effect];
   auto promising = shortlist(model, std::move(proposals), records.look(), setting.options.threads);
-  for (auto& p : promising) p.places = places[effect_of(p.proposal)];
+  for (auto& p : promising) p.places = places[p.proposal.term().effect];
   return promising;
 }
 
@@ -70,7 +66,7 @@ class Choice {
   /// Goes on until `max_effects` are chosen in all; those in `done` are passed over.
   void add(std::vector<Promising> promising, std::size_t max_effects, const std::set<const Effect*>& done) {
     for (auto& p : promising) {
-      const auto* effect = effect_of(p.proposal);
+      const auto* effect = p.proposal.term().effect;
       if (p.score < min_score_ || done.count(effect) != 0) continue;
       if (places_[effect] >= effect->facts().places_a_round + more_forms_) continue;
       if (effects_.count(effect) == 0 && effects_.size() >= max_effects) continue;
@@ -177,7 +173,7 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   }
   auto fitted = fit_candidates(setting, records, choice.chosen());
   for (std::size_t i = 0; i < fitted.size(); ++i) {
-    if (!fitted[i] && options.is_late()) missed.insert(effect_of(choice.chosen()[i].proposal)->name());
+    if (!fitted[i] && options.is_late()) missed.insert(choice.chosen()[i].proposal.term().effect->name());
   }
   round.not_tried.assign(missed.begin(), missed.end());
   round.ranking = rank(setting, records, std::move(fitted));

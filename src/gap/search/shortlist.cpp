@@ -47,7 +47,7 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
   std::vector<StartScore> scores;
   Runner runner(proposal.model, records);
   auto values = current_values(proposal.model);
-  const auto& unknowns = proposal.model.terms().back().unknowns;
+  const auto& unknowns = proposal.term().unknowns;
   const std::size_t first = values.size() - unknowns.size();
   std::vector<double> out;
   std::vector<double> moved;

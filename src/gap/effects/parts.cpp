@@ -44,14 +44,28 @@ void propose_pair(const Scene& scene, std::size_t at, bool damps, std::vector<Pr
   out.push_back(propose_term(*scene.model, std::move(term), {{1.01}}));
 }
 
+/// Each part of a block but op-amps.
+void propose_parts(const Scene& scene, std::size_t at, std::vector<Proposal>& out) {
+  const auto& parts = *scene.model->at(at).parts;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (parts[k].noise_gain.empty()) out.push_back(change_part(scene, at, k));
+  }
+}
+
+/// Of blocks that are no sections.
+void propose_part_value(const Scene& scene, std::vector<Proposal>& out) {
+  for (std::size_t at : scene.base_places()) {
+    const chain::Block& block = scene.model->at(at);
+    if (block.parts && block.section_order() == 0) propose_parts(scene, at, out);
+  }
+}
+
 void propose_capacitor_mismatch(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.base_places()) {
     const auto& section = scene.model->at(at);
     if (section.section_order() == 0) continue;
     if (section.parts) {
-      for (std::size_t k = 0; k < section.parts->size(); ++k) {
-        if ((*section.parts)[k].noise_gain.empty()) out.push_back(change_part(scene, at, k));
-      }
+      propose_parts(scene, at, out);
     } else if (section.section_order() == 1) {
       propose_corners(scene, at, out);
     } else if (section.has("bandpass_gain")) {
@@ -61,6 +75,10 @@ void propose_capacitor_mismatch(const Scene& scene, std::vector<Proposal>& out) 
 }
 
 }  // namespace
+
+BODESMITH_EFFECT(part_value, .what = "a part of a block is off its value",
+                 .experiment = "one end of the part lifted, and the part measured", .places_a_round = 6,
+                 .propose = propose_part_value)
 
 BODESMITH_EFFECT(capacitor_mismatch, .what = "a section's pole or zero is shifted by its capacitor ratio",
                  .experiment = "the section alone, measured across its corner", .linear = true,

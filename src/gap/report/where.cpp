@@ -22,15 +22,9 @@ constexpr double kMinTelling = 0.15;
 constexpr double kFrequencyRatio = 1.06;
 constexpr std::size_t kBins = 20;
 
-double energy_of(std::span<const Bin> bins) {
+double sum_of(std::span<const Bin> bins, double Bin::*value) {
   double sum = 0.0;
-  for (const auto& b : bins) sum += b.energy;
-  return sum;
-}
-
-double extent_of(std::span<const Bin> bins) {
-  double sum = 0.0;
-  for (const auto& b : bins) sum += b.extent;
+  for (const auto& b : bins) sum += b.*value;
   return sum;
 }
 
@@ -62,20 +56,20 @@ std::span<const Bin> densest_run(const Bins& bins, double energy, double extent)
 
 /// The densest run, widened at its denser side until it holds enough of the gap.
 Cell densest(Axis axis, const Bins& bins) {
-  const double energy = energy_of(bins);
-  const double extent = extent_of(bins);
+  const double energy = sum_of(bins, &Bin::energy);
+  const double extent = sum_of(bins, &Bin::extent);
   if (!(energy > 0.0) || !(extent > 0.0)) return {axis, bins.front().from, bins.back().to, 1.0, 1.0};
   auto run = densest_run(bins, energy, extent);
   const auto first = [&] { return static_cast<std::size_t>(run.data() - bins.data()); };
-  while (energy_of(run) / energy < kMostOfGap && run.size() < bins.size()) {
+  while (sum_of(run, &Bin::energy) / energy < kMostOfGap && run.size() < bins.size()) {
     const std::size_t from = first();
     const std::size_t to = from + run.size();
     const double left = from > 0 ? density(bins[from - 1]) : -1.0;
     const double right = to < bins.size() ? density(bins[to]) : -1.0;
     run = std::span(bins).subspan(left >= right ? from - 1 : from, run.size() + 1);
   }
-  return {axis, run.front().from, run.back().to, std::min(1.0, energy_of(run) / energy),
-          extent_of(run) / extent};
+  return {axis, run.front().from, run.back().to, std::min(1.0, sum_of(run, &Bin::energy) / energy),
+          sum_of(run, &Bin::extent) / extent};
 }
 
 void keep_telling(std::vector<Cell>& cells) {

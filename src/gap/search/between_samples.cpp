@@ -26,15 +26,11 @@ std::optional<Model> with_smooth_input(const SearchSetting& setting, const Searc
                        .set("gain", 1.0)
                        .set("natural_frequency_hz", std::sqrt(12.0) / (2.0 * std::numbers::pi * step_s))
                        .set("damping_ratio", kDamping));
+  auto fitted = fit_in_turn(setting, records, std::move(smooth));
   // It takes at least what a name must explain.
-  const double most = 1.0 - setting.options.bounds.explained;
-  const auto first =
-      fit(smooth, records.look(), fit_options(setting.options, setting.options.refit_iterations));
-  if (!first.usable() || !(first.rms < most * rms_of(model, records.look()))) return std::nullopt;
-  auto fitted = fit_in_turn(setting, records, first.model);
-  if (!fitted.usable()) return std::nullopt;
-  if (!(rms_of(fitted.model, records.train) < most * rms_of(model, records.train))) return std::nullopt;
-  if (!(log_evidence(fitted.model, records.train) > log_evidence(model, records.train) - log_share_of_name()))
+  const double most = (1.0 - setting.options.bounds.explained) * rms_of(model, records.train);
+  if (!fitted.usable() || !(rms_of(fitted.model, records.train) < most) ||
+      !(log_evidence(fitted.model, records.train) > log_evidence(model, records.train) - log_share_of_name()))
     return std::nullopt;
   return std::move(fitted.model);
 }

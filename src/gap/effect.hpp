@@ -30,7 +30,6 @@ struct EffectFacts {
   /// What it does is a small part of many other shapes (far above the band a zero is a delay): when another effect fits as well, that has
   /// the name.
   bool far_fetched = false;
-  int places_a_round = 3;  ///< and forms, that are fitted at the most
   /// Every place it can sit, with start values from the data.
   std::function<void(const Scene&, std::vector<Proposal>&)> propose;
   /// The values of its term in a model make it no name: it is another effect's form (a loop without width is a curve), or

@@ -32,7 +32,7 @@ bool has_many_of_a_kind(const Model& model, const Experiments& train) {
 
 /// The base model with its own freedom used: what its free parameters can explain is not missing. As given when it cannot be run.
 Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
-  auto fitted = fit_in_turn(setting, records, setting.initial, setting.options.iterations);
+  auto fitted = fit_in_turn(setting, records, setting.initial);
   return fitted.usable() ? std::move(fitted.model) : setting.initial;
 }
 
@@ -59,8 +59,6 @@ std::vector<Step> steps_of(const SearchSetting& setting, Beam& beam) {
 
 SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& given) {
   SearchOptions options = given;
-  // Fits of responses are quick, so that none is given up behind the leader.
-  if (are_responses(train)) options.round.far_behind = 1e12;
   SearchResult result;
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));

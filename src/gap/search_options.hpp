@@ -11,20 +11,20 @@ namespace bodesmith::gap {
 // The limits of each step of a search. The numbers in brackets are the steps of docs/gap.md that explain
 // them.
 
-/// Long records are first fitted on their liveliest stretches [5].
+/// Long records are first fitted on the stretches of which most is left [5].
 struct StretchOptions {
   std::size_t samples = 8000;  ///< of all stretches together; one and a half times as many: long records
   std::size_t min_lead = 200;  ///< samples before each that are run but not scored
-  std::size_t leaders = 4;     ///< candidates of a round that are fitted on the whole records
 };
 
 /// Rounds of candidates [4, 5].
 struct RoundOptions {
-  std::size_t effects = 9;             ///< fitted in each round
-  std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
-  /// Forms and places of an effect that are fitted beyond Effect::places_a_round in responses, where a fit is quick.
-  int more_forms_of_response = 2;
-  std::size_t successors = 5;     ///< effects that are fitted in the place of one
+  std::size_t effects = 9;  ///< fitted in each round
+  std::size_t places = 6;   ///< and forms of each
+  std::size_t pairs =
+      20;  ///< fitted, of what each effect promises alongside each of as many first names as a round fits
+  std::size_t followed =
+      3;  ///< of the starts of each, of pairs, and of fits that saw only stretches: the best so many are gone on from
   std::size_t many_unknowns = 5;  ///< a term of so many is tried from one start, and may stand for two others
   double far_behind =
       3.0;  ///< times the leader's rms, once all have begun: such a fit stays where it is, and its evidence is not asked for
@@ -40,13 +40,6 @@ struct BoundOptions {
   double min_promise() const { return 0.5 * explained * explained; }
 };
 
-/// Two effects that hide each other [5]: what each effect promises alongside each of a few first names.
-struct PairOptions {
-  std::size_t firsts = 8;  ///< names, each at its best place; of responses names and places
-  std::size_t fits = 20;   ///< of the pairs that promise most
-  std::size_t best = 3;    ///< of them that are gone on from
-};
-
 /// What the drive of experiment.csv may be, as far as somebody says it; the rest is taken from the training records.
 struct DriveRequest {
   std::optional<double> lower;
@@ -60,8 +53,7 @@ struct DriveRequest {
 
 struct SearchOptions {
   int max_terms = 5;
-  int iterations = 40;        ///< of a fit from afar,
-  int refit_iterations = 12;  ///< of one that follows a move,
+  int iterations = 40;  ///< of a fit
   int few_iterations =
       3;  ///< of each start of a candidate before the best ones go on, and on whole records after stretches
   int threads = 2;
@@ -74,7 +66,6 @@ struct SearchOptions {
   StretchOptions stretches;
   RoundOptions round;
   BoundOptions bounds;
-  PairOptions pairs;
   DriveRequest drive;  ///< what experiment.csv may be
 
   bool stopped() const { return stop && stop(); }

@@ -80,7 +80,6 @@ TEST(RegisteredEffect, ThatIsNoneInTheEndLeavesItsPlaceToTheNextBest) {
       {.name = "twin_of_a_limit",
        .what = "a limit that is one of two each second time that it is looked at",
        .experiment = "none",
-       .places_a_round = 1,
        .propose =
            [](const gap::Scene& scene, std::vector<gap::Proposal>& out) {
              if (g_proposing != "twin_of_a_limit") return;

@@ -98,10 +98,11 @@ std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& f
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     const auto& s = d.steps[k];
     const double before = d.before(k).holdout_rms;
-    text += fmt::format("  + {} ({}){}: held-out {} -> {}{}\n", s.effect, s.placed,
-                        s.tied_with.empty() ? "" : ", indistinguishable from " + join(s.tied_with, ", "),
-                        rms(before), rms(s.after.holdout_rms),
-                        s.after.holdout_rms > before ? ", which is more: the held-out records speak against it" : "");
+    text += fmt::format(
+        "  + {} ({}){}: held-out {} -> {}{}\n", s.effect, s.placed,
+        s.tied_with.empty() ? "" : ", indistinguishable from " + join(s.tied_with, ", "), rms(before),
+        rms(s.after.holdout_rms),
+        s.after.holdout_rms > before ? ", which is more: the held-out records speak against it" : "");
   }
   const std::string floor = d.floor.source == gap::NoiseFloor::Source::unknown
                                 ? "unknown"

@@ -268,7 +268,7 @@ BODESMITH_EFFECT(
     .propose = propose_hysteresis)
 
 BODESMITH_EFFECT(asymmetric_hysteresis, .what = "memory whose ascending and descending branches differ",
-                 .experiment = "loops of several amplitudes about several biases", .places_a_round = 7,
+                 .experiment = "loops of several amplitudes about several biases",
                  .propose = propose_asymmetric_hysteresis, .is_no_name = asymmetric_hysteresis_is_no_name)
 
 }  // namespace bodesmith::gap

@@ -12,8 +12,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr std::array kTriedDampings = {0.003, 0.01, 0.03, 0.1, 0.3};
-/// Frequencies that are tried: each measured one, or so many.
-constexpr std::size_t kMostFrequencies = 200;
 constexpr std::size_t kMostModeStarts = 6;
 /// Starts of one sign are this far apart (ln).
 constexpr double kStartsApart = 0.08;
@@ -90,11 +88,10 @@ TriedMode solve_mode(const ModePoints& p, double hz, double damping) {
 
 Starts mode_starts(const Scene& scene, const chain::Block& modes, double max_damping) {
   const ModePoints points = mode_points_of(scene, modes);
-  const std::size_t step = std::max<std::size_t>(1, points.hz.size() / kMostFrequencies);
   std::vector<TriedMode> tried;
-  for (std::size_t i = 0; i < points.hz.size(); i += step) {
+  for (const double hz : points.hz) {
     for (double damping : kTriedDampings) {
-      const TriedMode one = solve_mode(points, points.hz[i], std::min(damping, 0.99 * max_damping));
+      const TriedMode one = solve_mode(points, hz, std::min(damping, 0.99 * max_damping));
       if (one.left >= 0.0 && one.gain != 0.0) tried.push_back(one);
     }
   }

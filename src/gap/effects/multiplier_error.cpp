@@ -155,7 +155,7 @@ void propose_multiplier_error(const Scene& scene, std::vector<Proposal>& out) {
 }  // namespace
 
 BODESMITH_EFFECT(multiplier_error, .what = "scale, feedthrough or offset of a multiplier in the chain",
-                 .experiment = "the disturbance generator alone, swept from end to end", .places_a_round = 4,
+                 .experiment = "the disturbance generator alone, swept from end to end",
                  .propose = propose_multiplier_error)
 
 }  // namespace bodesmith::gap

@@ -155,6 +155,6 @@ void propose_opamp_bandwidth(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(opamp_bandwidth, .what = "finite gain-bandwidth of a section's op-amp",
                  .experiment = "the section alone, measured a decade higher", .linear = true,
-                 .places_a_round = 4, .propose = propose_opamp_bandwidth)
+                 .propose = propose_opamp_bandwidth)
 
 }  // namespace bodesmith::gap

@@ -77,11 +77,11 @@ void propose_capacitor_mismatch(const Scene& scene, std::vector<Proposal>& out) 
 }  // namespace
 
 BODESMITH_EFFECT(part_value, .what = "a part of a block is off its value",
-                 .experiment = "one end of the part lifted, and the part measured", .places_a_round = 6,
+                 .experiment = "one end of the part lifted, and the part measured",
                  .propose = propose_part_value)
 
 BODESMITH_EFFECT(capacitor_mismatch, .what = "a section's pole or zero is shifted by its capacitor ratio",
                  .experiment = "the section alone, measured across its corner", .linear = true,
-                 .places_a_round = 4, .propose = propose_capacitor_mismatch)
+                 .propose = propose_capacitor_mismatch)
 
 }  // namespace bodesmith::gap

@@ -41,6 +41,6 @@ void propose_saturation(const Scene& scene, std::vector<Proposal>& out) {
 /// A clip anywhere in the chain is likelier than memory with many unknowns.
 BODESMITH_EFFECT(saturation, .what = "the amplitude is limited",
                  .experiment = "a slow ramp to the ends of the range: a limit is flat", .static_curve = true,
-                 .places_a_round = 5, .propose = propose_saturation)
+                 .propose = propose_saturation)
 
 }  // namespace bodesmith::gap

@@ -47,7 +47,7 @@ void propose_slew_limit(const Scene& scene, std::vector<Proposal>& out) {
 }  // namespace
 
 BODESMITH_EFFECT(slew_limit, .what = "the rate of change is limited",
-                 .experiment = "the same step at two amplitudes: the ramp's slope stays", .places_a_round = 4,
+                 .experiment = "the same step at two amplitudes: the ramp's slope stays",
                  .propose = propose_slew_limit)
 
 }  // namespace bodesmith::gap

@@ -17,9 +17,6 @@ namespace {
 constexpr double kPowerAboveBand = 1e-6;
 /// an input whose band reaches beyond this part of the spectrum fills it.
 constexpr double kMaxBand = 0.7;
-/// Bins above the band, below which nothing is said.
-constexpr std::size_t kMinBins = 8;
-
 }  // namespace
 
 std::string to_string(NoiseFloor::Source source) {
@@ -79,7 +76,6 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
   const auto from = whole_number<std::size_t>(static_cast<double>(top) * u.bin_hz / e.bin_hz) + 1;
   // Half way between the input's top and Nyquist and beyond: harmonics have died down there.
   const std::size_t begin = from + (e.power.size() - from) / 2;
-  if (begin + kMinBins > e.power.size()) return floor;
   const double density =
       median({e.power.begin() + static_cast<std::ptrdiff_t>(begin), e.power.end()}) / std::log(2.0);
   floor.source = NoiseFloor::Source::high_frequency;

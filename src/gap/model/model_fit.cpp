@@ -7,17 +7,12 @@
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
 #include "signal/statistics.hpp"
-#include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 /// A unit of the residual is kept when what is left is more than this part of it.
 constexpr double kSameUnit = 0.5;
-
-/// Size of an initial state that free responses are found with, as a part of the output: small, so that
-/// nonlinear dynamics answer in proportion.
-constexpr double kNudge = 1e-5;
 
 /// `edges_held`: what moves edges across samples stays as it is.
 std::vector<SearchVariable> search_variables(const std::vector<Unknown>& unknowns, bool edges_held = false) {
@@ -91,28 +86,6 @@ std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments
   Runners runner(model, experiments);
   return bodesmith::sensitivities(search_variables(model.unknowns()), residuals_by(runner),
                                   as_eigen(current_values(model)), runner.threads());
-}
-
-Directions free_responses(const Model& model, const TimeExperiment& experiment) {
-  const auto& record = experiment.record();
-  const auto input = std::span<const double>(record.u).first(experiment.end());
-  simulate::RecordOptions options;
-  options.start_s = record.start_s;
-  options.oversample = experiment.holds();
-  simulate::RecordSimulator simulator(model.chain(), record.step_s, options);
-  const auto from_rest = simulator.run(input);
-  const std::vector<double> base(from_rest.begin(), from_rest.end());
-  const double nudge = kNudge * std::max(rms(base), 1e-300);
-  Directions directions;
-  for (double& state : simulator.initial_states()) {
-    state = nudge;
-    const auto y = simulator.run(input);
-    state = 0.0;
-    std::vector<double> response(base.size());
-    for (std::size_t i = 0; i < response.size(); ++i) response[i] = (y[i] - base[i]) / nudge;
-    directions.add(std::move(response));
-  }
-  return directions;
 }
 
 }  // namespace bodesmith::gap

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "gap/model/model.hpp"
-#include "gap/records/directions.hpp"
 #include "gap/records/experiment.hpp"
 #include "numeric/optimisation/least_squares.hpp"
 
@@ -30,8 +29,5 @@ LeastSquaresResult held_by(const Model& model, const Experiments& experiments);
 
 /// Columns d(residual)/d(unknown, in search coordinates) at the model's values; empty columns where it cannot be run.
 std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments& experiments);
-
-/// Orthonormal directions over the whole record of what unknown initial states of the model's dynamics add to its output.
-Directions free_responses(const Model& model, const TimeExperiment& experiment);
 
 }  // namespace bodesmith::gap

@@ -6,9 +6,8 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Parts of a signal's span: a turn counts beyond the first, and turns within the second of each other are one.
-constexpr double kTurn = 0.02;
-constexpr double kSameTurn = 0.05;
+/// Part of a signal's span beyond which a turn counts, and within which turns are one.
+constexpr double kTurn = 0.05;
 
 /// Where a signal turns.
 struct Turns {
@@ -41,7 +40,7 @@ Turns turns_of(const Signal& signal) {
 
 bool lie_together(const std::vector<double>& values, double span) {
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  return values.empty() || *most - *least < kSameTurn * span;
+  return values.empty() || *most - *least < kTurn * span;
 }
 
 }  // namespace

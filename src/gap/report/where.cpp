@@ -201,25 +201,13 @@ std::vector<Cell> where(const FrequencyRecord& record, const std::vector<double>
 }
 
 std::string to_text(const Cell& c) {
-  const std::string share = fmt::format("({:.0f} % of it)", 100.0 * c.share);
-  const std::string stretch = rounded_text(c.from, 3) + " to " + rounded_text(c.to, 3);
-  switch (c.axis) {
-    case Axis::branch: {
-      const char* direction = c.to > 0.0 ? "rising" : c.to < 0.0 ? "falling" : "resting";
-      return fmt::format("while the input is {} {}", c.from == c.to ? direction : "changing", share);
-    }
-    case Axis::frequency:
-      return fmt::format("frequencies {} Hz {}", stretch, share);
-    case Axis::time:
-      return fmt::format("times {} s {}", stretch, share);
-    case Axis::input:
-      return fmt::format("inputs from {} {}", stretch, share);
-    case Axis::output:
-      return fmt::format("outputs from {} {}", stretch, share);
-    case Axis::harmonic:
-      break;
-  }
-  return fmt::format("harmonics {} {}", stretch, share);
+  constexpr std::array kWords = {"frequencies {} Hz", "inputs from {}",        "outputs from {}",
+                                 "times {} s",        "while the input is {}", "harmonics {}"};
+  std::string stretch = rounded_text(c.from, 3) + " to " + rounded_text(c.to, 3);
+  if (c.axis == Axis::branch)
+    stretch = c.from < c.to ? "changing" : c.to > 0.0 ? "rising" : c.to < 0.0 ? "falling" : "resting";
+  return fmt::format(fmt::runtime(kWords.at(static_cast<std::size_t>(c.axis))), stretch) +
+         fmt::format(" ({:.0f} % of it)", 100.0 * c.share);
 }
 
 }  // namespace bodesmith::gap

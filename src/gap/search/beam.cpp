@@ -128,7 +128,7 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     names.insert("without " + std::string(set.model.terms()[k].effect->name()));
     if (!tried.insert(names).second) continue;
     weigh(records, others);
-    auto ranking = successors_of(setting, records, others.model);
+    auto ranking = fit_round(setting, records, others.model).ranking;
     // Of its own name what stands is known, too: the new fit alongside the others may have stopped short of it, or could not begin.
     auto own = std::find_if(ranking.begin(), ranking.end(),
                             [&](const Ranked& r) { return r.effect == set.model.terms()[k].effect; });
@@ -182,17 +182,6 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
   std::optional<PlacedSet> more;
   if (best != nullptr && best->log_evidence > set.log_evidence)
     more = with_candidate(set, *best, round.ranking);
-  if (are_responses(beam.records.train) && !options.is_late() &&
-      is_something_left(more ? more->model : set.model, beam.records)) {
-    const double to_beat = more ? best->log_evidence : set.log_evidence;
-    for (const auto& [one, second] : pairs_of_response(setting, beam.records, round.ranking)) {
-      if (!(second.log_evidence > to_beat)) break;
-      PlacedSet two = with_candidate(with_candidate(set, one, {one}), second, {second});
-      two.notes.push_back(names_in_words(two.model) + " were looked for together");
-      weigh(beam.records, two);
-      if (all_matter(setting, beam.records, two.model)) return two;
-    }
-  }
   if (!more) beam.refused = std::move(round.ranking);
   return more;
 }
@@ -305,7 +294,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   SearchRecords base_records = beam.records;
   grow(setting, beam, true);
   if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
-  if (are_responses(beam.records.train) || options.max_terms < 2 || options.is_late()) return;
+  if (options.max_terms < 2 || options.is_late()) return;
   if (is_something_left(beam.best.model, beam.records) || could_be_fewer(options, beam.best.model)) {
     Beam base;
     base.records = std::move(base_records);

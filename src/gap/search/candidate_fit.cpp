@@ -18,13 +18,6 @@ namespace {
 /// least in a cusp, where a fit stops next to it.
 constexpr int kHops = 20;
 
-/// Starts of a proposal that are tried, those that promise most and the one that leaves least: many of them lie close to each other, and
-/// many unknowns are expensive.
-std::size_t tries_of(const RoundOptions& options, const Promising& p) {
-  const bool many = p.proposal.term().unknowns.size() >= options.many_unknowns;
-  return std::min<std::size_t>(p.best_starts.size(), many ? 1 : p.proposal.starts.size() > 4 ? 4 : 3);
-}
-
 /// The proposal's model with its term at one of its starts, and other unknowns as they stand.
 Model with_term_at(const Proposal& proposal, std::size_t start) {
   auto values = current_values(proposal.model);
@@ -39,20 +32,16 @@ Model with_term_at(const Proposal& proposal, std::size_t start) {
 std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchRecords& records,
                                      const Promising& p) {
   const auto options = fit_options(setting.options, setting.options.few_iterations);
+  const auto& round = setting.options.round;
+  const std::size_t tries = p.proposal.term().unknowns.size() < round.many_unknowns ? round.followed : 1;
   std::optional<FittedModel> best;
-  for (std::size_t t = 0; t < tries_of(setting.options.round, p); ++t) {
+  for (std::size_t t = 0; t < std::min(tries, p.best_starts.size()); ++t) {
     if (setting.options.is_late() && best) break;
     auto fitted = fit(with_term_at(p.proposal, p.best_starts[t]), records.look(), options);
     if (fitted.usable() && (!best || fitted.rms < best->rms)) best = std::move(fitted);
   }
   return best;
 }
-
-/// A fit of one of the candidates.
-struct Racer {
-  std::size_t candidate = 0;
-  FittedModel now;
-};
 
 /// The value around the one that unknown `at` has, the others as they are, at which least is left; nothing where that is it.
 std::optional<double> least_around(const FittedModel& now, const Experiments& look, std::size_t at,
@@ -73,34 +62,39 @@ std::optional<double> least_around(const FittedModel& now, const Experiments& lo
 }
 
 /// Values that a fit cannot slide along, tried around where it ended, then fitted on.
-void comb(const SearchSetting& setting, const SearchRecords& records, Racer& racer) {
-  const auto unknowns = racer.now.model.unknowns();
-  const auto options = fit_options(setting.options, setting.options.refit_iterations);
+void comb(const SearchSetting& setting, const SearchRecords& records, FittedModel& now) {
+  const auto unknowns = now.model.unknowns();
+  const auto options = fit_options(setting.options, setting.options.iterations);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (!unknowns[at].moves_edges() || setting.options.is_late()) continue;
-    const auto better = least_around(racer.now, records.look(), at, unknowns[at]);
+    const auto better = least_around(now, records.look(), at, unknowns[at]);
     if (!better) continue;
-    auto moved = current_values(racer.now.model);
+    auto moved = current_values(now.model);
     moved[at] = *better;
-    Model model = racer.now.model;
+    Model model = now.model;
     model.set_values(moved);
     auto fitted = fit(std::move(model), records.look(), options);
-    if (fitted.usable() && fitted.rms < racer.now.rms) racer.now = std::move(fitted);
+    if (fitted.usable() && fitted.rms < now.rms) now = std::move(fitted);
   }
 }
 
-/// On to the end of all that are in the running.
-void fit_to_the_end(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
-  const auto options = fit_options(setting.options, setting.options.iterations);
-  double leader = std::numeric_limits<double>::infinity();
-  for (const auto& r : racers) leader = std::min(leader, r.now.rms);
-  parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-    auto& now = racers[i].now;
-    if (setting.options.is_late() || now.rms > setting.options.round.far_behind * leader) return;
-    auto fitted = fit(now.model, records.look(), options);
+/// On to the end.
+Ranked ended_fit(const SearchSetting& setting, const SearchRecords& records, const Promising& candidate,
+                 FittedModel now, double leader) {
+  if (!setting.options.is_late() && now.rms <= setting.options.round.far_behind * leader) {
+    auto fitted = fit(now.model, records.look(), fit_options(setting.options, setting.options.iterations));
     if (fitted.usable() && fitted.rms <= now.rms) now = std::move(fitted);
-    comb(setting, records, racers[i]);
-  });
+    comb(setting, records, now);
+  }
+  Ranked r;
+  r.effect = candidate.proposal.term().effect;
+  r.placed = candidate.proposal.term().placed;
+  r.score = candidate.score;
+  r.model = std::move(now.model);
+  r.model.set_log_prior(r.model.terms().size() - 1,
+                        log_share_of_name() - std::log(static_cast<double>(candidate.places)));
+  r.train_rms = rms_of(r.model, records.train);
+  return r;
 }
 
 }  // namespace
@@ -112,24 +106,13 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
     if (!options.is_late()) begun[i] = begun_fit(setting, records, candidates[i]);
   });
-  std::vector<Racer> racers;
-  for (std::size_t i = 0; i < begun.size(); ++i) {
-    if (begun[i]) racers.push_back({i, std::move(*begun[i])});
-  }
-  fit_to_the_end(setting, records, racers);
+  double leader = std::numeric_limits<double>::infinity();
+  for (const auto& fitted : begun) leader = std::min(leader, fitted ? fitted->rms : leader);
   std::vector<std::optional<Ranked>> ranked(candidates.size());
-  parallel_for(racers.size(), options.threads, [&](std::size_t i) {
-    const auto& candidate = candidates[racers[i].candidate];
-    const auto& term = candidate.proposal.term();
-    Ranked r;
-    r.effect = term.effect;
-    r.placed = term.placed;
-    r.score = candidate.score;
-    r.model = std::move(racers[i].now.model);
-    r.model.set_log_prior(r.model.terms().size() - 1,
-                          log_share_of_name() - std::log(static_cast<double>(candidate.places)));
-    r.train_rms = rms_of(r.model, records.train);
-    if (std::isfinite(r.train_rms)) ranked[racers[i].candidate] = std::move(r);
+  parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
+    if (!begun[i]) return;
+    auto r = ended_fit(setting, records, candidates[i], std::move(*begun[i]), leader);
+    if (std::isfinite(r.train_rms)) ranked[i] = std::move(r);
   });
   return ranked;
 }

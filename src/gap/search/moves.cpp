@@ -18,17 +18,15 @@ double explained(double before, double after) {
   return std::sqrt(std::max(0.0, before * before - after * after));
 }
 
-/// First names for pairs: the best of every effect, or of every effect at every place.
-std::vector<Ranked> firsts_among(const SearchSetting& setting, std::vector<Ranked> ranking,
-                                 bool at_every_place) {
+/// First names for pairs: the best of every effect.
+std::vector<Ranked> firsts_among(const SearchSetting& setting, std::vector<Ranked> ranking) {
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
-  std::set<std::pair<const Effect*, std::string>> seen;
+  std::set<const Effect*> seen;
   std::erase_if(ranking, [&](const Ranked& r) {
-    return r.outcome == CandidateOutcome::no_name ||
-           !seen.emplace(r.effect, at_every_place ? r.placed : std::string()).second;
+    return r.outcome == CandidateOutcome::no_name || !seen.insert(r.effect).second;
   });
-  if (ranking.size() > setting.options.pairs.firsts) ranking.resize(setting.options.pairs.firsts);
+  if (ranking.size() > setting.options.round.effects) ranking.resize(setting.options.round.effects);
   return ranking;
 }
 
@@ -47,7 +45,7 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  if (all.size() > options.pairs.fits) all.resize(options.pairs.fits);
+  if (all.size() > options.round.pairs) all.resize(options.round.pairs);
   std::vector<Promising> seconds;
   for (auto& each : all) seconds.push_back(std::move(each.second));
   return seconds;
@@ -60,17 +58,6 @@ bool matters(const SearchSetting& setting, const SearchRecords& records, const M
   const double before = rms_of(without, records.train);
   return explained(before, rms_with) >=
          setting.options.bounds.explained * std::sqrt(before * setting.first_gap);
-}
-
-bool all_matter(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
-  const double with = rms_of(model, records.train);
-  for (std::size_t k = 0; k < model.terms().size(); ++k) {
-    Model without = model;
-    without.remove(k);
-    without = fit_in_turn(setting, records, std::move(without)).model;
-    if (!matters(setting, records, without, with)) return false;
-  }
-  return true;
 }
 
 bool term_is_no_name(const Model& model, std::size_t term, const Experiments& train) {
@@ -105,13 +92,6 @@ const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records
   return winner;
 }
 
-std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& without) {
-  SearchOptions few = setting.options;
-  few.round.effects = few.round.successors;
-  return fit_round({few, setting.initial, setting.first_gap}, records, without).ranking;
-}
-
 bool could_be_fewer(const SearchOptions& options, const Model& model) {
   const auto& terms = model.terms();
   return terms.size() > 2 || std::any_of(terms.begin(), terms.end(), [&](const Term& term) {
@@ -121,37 +101,19 @@ bool could_be_fewer(const SearchOptions& options, const Model& model) {
 
 std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
                                                   const std::vector<Ranked>& first) {
-  const auto firsts = firsts_among(setting, first, false);
+  const auto firsts = firsts_among(setting, first);
   const auto seconds = second_names(setting, records, firsts);
   if (seconds.empty() || setting.options.is_late()) return {};
   std::vector<std::pair<Ranked, Ranked>> pairs;
   std::set<std::set<const Effect*>> names;
   for (const auto& r : fit_chosen(setting, records, seconds)) {
-    if (pairs.size() >= setting.options.pairs.best) break;
+    if (pairs.size() >= setting.options.round.followed) break;
     if (!std::isfinite(r.log_evidence) || r.outcome == CandidateOutcome::no_name) continue;
     const auto* own = r.model.terms()[r.model.terms().size() - 2].effect;
     const auto alone =
         std::find_if(firsts.begin(), firsts.end(), [&](const Ranked& f) { return f.effect == own; });
     if (names.insert({own, r.effect}).second) pairs.emplace_back(*alone, r);
   }
-  return pairs;
-}
-
-std::vector<std::pair<Ranked, Ranked>> pairs_of_response(const SearchSetting& setting,
-                                                         const SearchRecords& records,
-                                                         const std::vector<Ranked>& first) {
-  const auto& options = setting.options;
-  std::vector<std::pair<Ranked, Ranked>> pairs;
-  for (const auto& one : firsts_among(setting, first, true)) {
-    if (options.is_late()) break;
-    std::set<const Effect*> effects;
-    for (auto& second : fit_round(setting, records, one.model).ranking) {
-      if (effects.insert(second.effect).second) pairs.emplace_back(one, std::move(second));
-    }
-  }
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const auto& a, const auto& b) { return more_evident(a.second, b.second); });
-  if (pairs.size() > options.pairs.best) pairs.resize(options.pairs.best);
   return pairs;
 }
 

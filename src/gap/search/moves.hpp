@@ -11,7 +11,6 @@ namespace bodesmith::gap {
 /// Whether what a term takes is of use: of what is left without it, and of the gap (BoundOptions).
 bool matters(const SearchSetting& setting, const SearchRecords& records, const Model& without,
              double rms_with);
-bool all_matter(const SearchSetting& setting, const SearchRecords& records, const Model& model);
 
 /// The values of a term alongside the others make it no name (Effect::is_no_name).
 bool term_is_no_name(const Model& model, std::size_t term, const Experiments& train);
@@ -20,10 +19,6 @@ bool term_is_no_name(const Model& model, std::size_t term, const Experiments& tr
 const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records, const Model& without,
                       std::vector<Ranked>& ranking);
 
-/// A round alongside the other terms.
-std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& without);
-
 /// More than two names, or one of many unknowns: two may do as well.
 bool could_be_fewer(const SearchOptions& options, const Model& model);
 
@@ -31,10 +26,5 @@ bool could_be_fewer(const SearchOptions& options, const Model& model);
 /// evidence first, each two names once.
 std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
                                                   const std::vector<Ranked>& first);
-
-/// Of responses, whose fits are quick: every effect alongside each of the first names, two by two; greatest evidence first.
-std::vector<std::pair<Ranked, Ranked>> pairs_of_response(const SearchSetting& setting,
-                                                         const SearchRecords& records,
-                                                         const std::vector<Ranked>& first);
 
 }  // namespace bodesmith::gap

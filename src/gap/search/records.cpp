@@ -10,8 +10,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Part of the rms left that no longer counts, as it adds by squares.
-constexpr double kOwnShare = 0.3;
 /// Beyond them the search would take longer than it may.
 constexpr std::size_t kMostHolds = 8;
 
@@ -44,7 +42,7 @@ std::size_t enough_holds(const Model& model, const Experiments& train) {
     std::vector<double> finer = residuals(2 * holds);
     if (now.size() != finer.size()) break;
     for (std::size_t i = 0; i < now.size(); ++i) now[i] -= finer[i];
-    if (!(rms(now) > kOwnShare * rms(finer))) break;
+    if (!(rms(now) > BoundOptions().explained * rms(finer))) break;
     now = std::move(finer);
   }
   return holds;
@@ -57,14 +55,11 @@ LeastSquaresOptions fit_options(const SearchOptions& options, int iterations) {
   return o;
 }
 
-FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model,
-                        int iterations) {
+FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model) {
   const auto& options = setting.options;
-  if (iterations == 0) iterations = options.refit_iterations;
-  if (!records.are_long()) return fit(std::move(model), records.train, fit_options(options, iterations));
-  auto rough = fit(std::move(model), records.stretches, fit_options(options, iterations));
-  return fit(std::move(rough.model), records.train,
-             fit_options(options, std::min(iterations, options.few_iterations)));
+  auto rough = fit(std::move(model), records.look(), fit_options(options, options.iterations));
+  if (!records.are_long()) return rough;
+  return fit(std::move(rough.model), records.train, fit_options(options, options.few_iterations));
 }
 
 }  // namespace bodesmith::gap

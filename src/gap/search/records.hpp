@@ -39,8 +39,7 @@ std::size_t enough_holds(const Model& model, const Experiments& train);
 
 LeastSquaresOptions fit_options(const SearchOptions& options, int iterations);
 
-/// Fits on the stretches first when the records are long, then on the training records. 0 iterations: SearchOptions::refit_iterations.
-FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model,
-                        int iterations = 0);
+/// Fits on the stretches first when the records are long, then on the training records.
+FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model);
 
 }  // namespace bodesmith::gap

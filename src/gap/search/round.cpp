@@ -58,49 +58,21 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
 }
 
 /// The best places of each of the best effects.
-class Choice {
- public:
-  /// `more_forms`: as many more of an effect.
-  Choice(double min_score, int more_forms) : min_score_(min_score), more_forms_(more_forms) {}
-
-  /// Goes on until `max_effects` are chosen in all; those in `done` are passed over.
-  void add(std::vector<Promising> promising, std::size_t max_effects, const std::set<const Effect*>& done) {
-    for (auto& p : promising) {
-      const auto* effect = p.proposal.term().effect;
-      if (p.score < min_score_ || done.count(effect) != 0) continue;
-      if (places_[effect] >= effect->facts().places_a_round + more_forms_) continue;
-      if (effects_.count(effect) == 0 && effects_.size() >= max_effects) continue;
-      effects_.insert(effect);
-      ++places_[effect];
-      chosen_.push_back(std::move(p));
-    }
-  }
-  /// The chosen effects that another look has nothing to add to; the others may have as many places once
-  /// more.
-  std::set<const Effect*> close_for_another_look() {
-    auto done = effects_;
-    for (const auto* effect : effects_) {
-      if (!effect->facts().starts_from_residual) continue;
-      done.erase(effect);
-      places_[effect] = 0;
-    }
-    return done;
-  }
-  const std::vector<Promising>& chosen() const { return chosen_; }
-
- private:
-  double min_score_;
-  int more_forms_;
-  std::map<const Effect*, int> places_;
-  std::set<const Effect*> effects_;
-  std::vector<Promising> chosen_;
-};
+std::vector<Promising> best_of(std::vector<Promising> promising, const SearchOptions& options) {
+  std::map<const Effect*, std::size_t> places;
+  std::erase_if(promising, [&](const Promising& p) {
+    const auto* effect = p.proposal.term().effect;
+    const bool full = places.size() >= options.round.effects && places.count(effect) == 0;
+    return p.score < options.bounds.min_promise() || full || ++places[effect] > options.round.places;
+  });
+  return promising;
+}
 
 /// Fits the leaders, whose fits saw only stretches, on the whole records.
 void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& records,
                         std::vector<Ranked>& ranking) {
   const auto& options = setting.options;
-  const std::size_t leaders = std::min(options.stretches.leaders, ranking.size());
+  const std::size_t leaders = std::min(options.round.followed, ranking.size());
   parallel_for(leaders, options.threads, [&](std::size_t i) {
     if (options.is_late()) return;
     auto fitted = fit(ranking[i].model, records.train, fit_options(options, options.few_iterations));
@@ -157,23 +129,12 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
   const auto& options = setting.options;
   FittedRound round;
-  const bool responses = are_responses(records.train);
-  Choice choice(options.bounds.min_promise(), responses ? options.round.more_forms_of_response : 0);
   std::set<std::string_view> missed;
-  auto promising = look_from(setting, records, model, missed);
-  choice.add(std::move(promising), options.round.effects, {});
+  const auto chosen = best_of(look_from(setting, records, model, missed), options);
   if (options.stopped()) return {};
-  if (model.terms().empty() && model.free_count() > 0 && !records.are_long() && !options.is_late()) {
-    // Free parameters that took over a missing effect's share hide it: a few more, as they look from the
-    // parameters that were given.
-    const auto done = choice.close_for_another_look();
-    choice.add(look_from(setting, records, setting.initial, missed),
-               options.round.effects + options.round.effects_from_given, done);
-    if (options.stopped()) return {};
-  }
-  auto fitted = fit_candidates(setting, records, choice.chosen());
+  auto fitted = fit_candidates(setting, records, chosen);
   for (std::size_t i = 0; i < fitted.size(); ++i) {
-    if (!fitted[i] && options.is_late()) missed.insert(choice.chosen()[i].proposal.term().effect->name());
+    if (!fitted[i] && options.is_late()) missed.insert(chosen[i].proposal.term().effect->name());
   }
   round.not_tried.assign(missed.begin(), missed.end());
   round.ranking = rank(setting, records, std::move(fitted));

@@ -12,15 +12,13 @@
 #include "gap/records/settling.hpp"
 #include "gap/runner.hpp"
 #include "gap/search/record_starts.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 using chain::Start;
 
-/// Of a search that scored all starts, what it leaves of whole records over what one that left some out leaves, and over what
-/// that one leaves when each record begins in a state of its own.
+/// Of a search that scored all starts, what it leaves of whole records over what one that left some out leaves.
 constexpr double kStartsExplained = 0.5;
 
 bool any_begins_under_bias(const Experiments& train) {
@@ -33,18 +31,6 @@ bool any_begins_under_bias(const Experiments& train) {
 chain::Chain started(chain::Chain base, Start start) {
   base.start = start;
   return base;
-}
-
-/// What a model leaves of them when each record began in an unknown state: what free responses of the model explain is taken off.
-double whole_rms_from_any_state(const Model& model, const Experiments& train) {
-  std::vector<double> left;
-  for (const auto& e : as_searched(train)) {
-    auto residual = residuals_of(model, {e});
-    if (residual.empty()) return std::numeric_limits<double>::infinity();
-    if (const auto* time = std::get_if<TimeExperiment>(&e)) free_responses(model, *time).take_out(residual);
-    left.insert(left.end(), residual.begin(), residual.end());
-  }
-  return rms(left);
 }
 
 /// A model from one of the two starts, held against the whole training records.
@@ -68,7 +54,7 @@ SearchResult search_all(const chain::Chain& base, const Experiments& train, cons
   if (found.stopped || found.late) return found;
   const Tried first = tried(found.final, train, options);
   if (first.explains) return found;
-  const double enough = kStartsExplained * std::min(first.rms, whole_rms_from_any_state(found.final, train));
+  const double enough = kStartsExplained * first.rms;
   if (!(found.train_rms < enough)) return found;
   SearchOptions scored = options;
   scored.start_stands_out = std::numeric_limits<double>::infinity();

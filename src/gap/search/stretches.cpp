@@ -11,9 +11,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A stretch's model does what it does in the whole record: parts of what it leaves.
-constexpr double kSettled = 0.05;
-
 /// Samples begin … end - 1 of a record.
 struct Part {
   std::size_t begin = 0;
@@ -56,7 +53,8 @@ TimeExperiment stretch_of(const TimeExperiment& whole, const Part& part, std::si
   return stretch;
 }
 
-/// Whether a stretch is followed as the whole record is, of which the model makes `whole`.
+/// Whether a stretch is followed as the whole record is, of which the model makes `whole`, but for less than a name must explain of what is
+/// left.
 bool is_settled_in(const TimeExperiment& stretch, const Part& part, const TimeRecord& record,
                    const std::vector<double>& whole, const Model& model) {
   const auto own = output_of(model, stretch);
@@ -67,7 +65,7 @@ bool is_settled_in(const TimeExperiment& stretch, const Part& part, const TimeRe
     difference += std::pow(own[i - part.begin] - whole[i], 2);
     left += std::pow(record.y[i] - whole[i], 2);
   }
-  return difference <= kSettled * kSettled * left;
+  return difference <= std::pow(BoundOptions().explained, 2) * left;
 }
 
 }  // namespace

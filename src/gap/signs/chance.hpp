@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "gap/search_options.hpp"
 #include "signal/periodogram.hpp"
 
 namespace bodesmith::gap {
@@ -16,8 +17,8 @@ inline constexpr double kDeviations = 7.0;
 /// deviation than counted. Ten points cannot reach it.
 inline constexpr double kAlike = 5.0;
 
-/// Of the energy, what a sign must hold: less is no matter, however sure.
-inline constexpr double kLeastShare = 0.02;
+/// Of the energy, what a sign must hold: less has no name, however sure.
+inline constexpr double kLeastShare = BoundOptions().explained * BoundOptions().explained;
 
 /// What a figure of merit reaches on surrogates, by chance.
 class Chance {

@@ -18,8 +18,6 @@ using Eigen::Index;
 /// Earlier samples by which noise tells the next one: white, red, falling as 1/f or ringing with a mode or two. With half as many 1/f is
 /// less well followed; twice as many follow what is sought, too.
 constexpr Index kMemory = 8;
-/// Rounds of noise by what is left and weights by noise.
-constexpr int kRounds = 2;
 
 /// e(t) = x(t) - sum_j memory_j x(t - j), column by column, from the first sample on that has all earlier ones.
 Eigen::MatrixXd innovations(const Eigen::MatrixXd& x, const Eigen::VectorXd& memory) {
@@ -68,7 +66,6 @@ Autoregression autoregression_of(const std::vector<Eigen::MatrixXd>& series) {
 }  // namespace
 
 Sign depends_on_signals(const std::vector<Leftover>& records) {
-  Sign sign{SignKind::depends_on_signals, 0.0};
   const auto scales = signal_scales(records);
   std::vector<Eigen::MatrixXd> residuals;
   std::vector<Eigen::MatrixXd> features;
@@ -91,30 +88,22 @@ Sign depends_on_signals(const std::vector<Leftover>& records) {
     x *= (2.0 * std::sqrt(energy) * sizes.cwiseMax(1e-300).cwiseSqrt().cwiseInverse()).asDiagonal();
 
   const Autoregression alone = autoregression_of(residuals);
-  Autoregression noise = alone;
-  double freedom = 0.0;
+  const Eigen::MatrixXd white = stacked(features, alone.memory);
+  Eigen::MatrixXd information = gram(white) / alone.variance;
+  information.diagonal().array() += 1.0;
+  const Eigen::VectorXd weights = solve_ldlt(
+      information, transpose_times(white, stacked(residuals, alone.memory).col(0)) / alone.variance);
+  const double freedom = static_cast<double>(count) -
+                         solve_ldlt_columns(information, Eigen::MatrixXd::Identity(count, count)).trace();
   double left = 0.0;
-  for (int round = 0; round < kRounds; ++round) {
-    const Eigen::MatrixXd white = stacked(features, noise.memory);
-    Eigen::MatrixXd information = gram(white) / noise.variance;
-    information.diagonal().array() += 1.0;
-    const Eigen::VectorXd weights = solve_ldlt(
-        information, transpose_times(white, stacked(residuals, noise.memory).col(0)) / noise.variance);
-    freedom = static_cast<double>(count) -
-              solve_ldlt_columns(information, Eigen::MatrixXd::Identity(count, count)).trace();
-    auto rest = residuals;
-    left = 0.0;
-    for (std::size_t k = 0; k < rest.size(); ++k) {
-      rest[k].col(0) -= times(features[k], weights);
-      left += rest[k].squaredNorm();
-    }
-    noise = autoregression_of(rest);
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    residuals[k].col(0) -= times(features[k], weights);
+    left += residuals[k].squaredNorm();
   }
-  const double foretold = std::clamp(noise.variance / alone.variance, 1e-12, 1.0);
+  const double foretold = std::clamp(autoregression_of(residuals).variance / alone.variance, 1e-12, 1.0);
   const double deviations = (-n * std::log(foretold) - freedom) / std::sqrt(2.0 * freedom);
   const double share = 1.0 - std::min(left / energy, foretold);
-  sign.strength = std::min(deviations / kDeviations, share / kLeastShare);
-  return sign;
+  return {SignKind::depends_on_signals, std::min(deviations / kDeviations, share / kLeastShare)};
 }
 
 }  // namespace bodesmith::gap

@@ -28,11 +28,9 @@ double plainest_step(const std::vector<double>& v, std::size_t n) {
 }  // namespace
 
 Sign jumps(const Leftover& record) {
-  Sign sign{SignKind::jumps, 0.0};
   const std::vector<double>& v = record.residual;
   const auto figure = [](const std::vector<double>& of) { return plainest_step(of, kSamplesEachSide); };
-  sign.strength = figure(v) / on_surrogates(v, figure).limit();
-  return sign;
+  return {SignKind::jumps, figure(v) / on_surrogates(v, figure).limit()};
 }
 
 }  // namespace bodesmith::gap

@@ -14,7 +14,6 @@ namespace {
 /// Neighbours begin beyond the width of the periodogram's window, and are so many to each side.
 constexpr std::size_t kWindowBins = 4;
 constexpr std::size_t kReach = 12;
-constexpr int kMinNeighbours = 3;
 
 /// A point of a response stands apart when its energy is so many times that of the points around it. Of noise, the largest of a thousand
 /// over the mean of a dozen reaches 21 once in a thousand times.
@@ -24,8 +23,8 @@ constexpr double kStandsApart = 60.0;
 std::optional<double> level_around(const std::vector<double>& power, std::size_t k) {
   double below = 0.0;
   double above = 0.0;
-  int counted_below = 0;
-  int counted_above = 0;
+  std::size_t counted_below = 0;
+  std::size_t counted_above = 0;
   for (std::size_t d = kWindowBins; d < kWindowBins + kReach; ++d) {
     if (k >= d + 1) {
       below += power[k - d];
@@ -36,8 +35,8 @@ std::optional<double> level_around(const std::vector<double>& power, std::size_t
       ++counted_above;
     }
   }
-  if (counted_below < kMinNeighbours || counted_above < kMinNeighbours) return std::nullopt;
-  return std::max(below / counted_below, above / counted_above);
+  if (std::min(counted_below, counted_above) < kWindowBins) return std::nullopt;
+  return std::max(below / static_cast<double>(counted_below), above / static_cast<double>(counted_above));
 }
 
 }  // namespace
@@ -71,7 +70,6 @@ Sign stands_apart(const Leftover& record) {
 }
 
 Sign smooth_over_frequency(const Leftover& record) {
-  Sign sign{SignKind::smooth_over_frequency, 0.0};
   const std::size_t n = record.response.size() / 2;
   double together = 0.0;
   double energy = 0.0;
@@ -84,8 +82,7 @@ Sign smooth_over_frequency(const Leftover& record) {
   }
   // Independent errors: the correlation of neighbours has the deviation 1/sqrt(2n).
   const double z = energy > 0.0 ? together / energy * std::sqrt(2.0 * static_cast<double>(n)) : 0.0;
-  sign.strength = z / kAlike;
-  return sign;
+  return {SignKind::smooth_over_frequency, z / kAlike};
 }
 
 }  // namespace bodesmith::gap

@@ -19,10 +19,8 @@ double log_likelihood(const std::vector<double>& v) {
 }  // namespace
 
 Sign straight_line(const Leftover& record) {
-  Sign sign{SignKind::straight_line, 0.0};
   const double gain = log_likelihood(less_straight_line(record.residual)) - log_likelihood(record.residual);
-  if (std::isfinite(gain)) sign.strength = gain / kSurelyALine;
-  return sign;
+  return {SignKind::straight_line, std::isfinite(gain) ? gain / kSurelyALine : 0.0};
 }
 
 }  // namespace bodesmith::gap

@@ -106,8 +106,7 @@ TEST(Stretches, AreWhereMostIsLeft) {
   const gap::Experiments train{gap::TimeExperiment(record)};
   const gap::Experiments stretches = gap::stretches_of(train, model, short_stretches());
   const auto& stretch = std::get<gap::TimeExperiment>(stretches.front());
-  const double scored_from =
-      stretch.record().start_s + static_cast<double>(stretch.first()) * record.step_s;
+  const double scored_from = stretch.record().start_s + static_cast<double>(stretch.first()) * record.step_s;
   EXPECT_LT(scored_from, 3.01);
   EXPECT_GT(scored_from + 3.0, 4.99);
   EXPECT_EQ(stretch.scored(), short_stretches().samples);

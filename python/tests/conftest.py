@@ -56,7 +56,7 @@ def sections(cascade: bs.Cascade) -> bs.Sections:
 
 @pytest.fixture(scope="session")
 def plan(sections: bs.Sections) -> bs.Plan:
-    return bs.fpaa(sections)
+    return bs.fpaa(sections, clock_hz=2000.0)  # which spares the search of clocks
 
 
 @pytest.fixture(scope="session")
@@ -64,7 +64,7 @@ def board(sections: bs.Sections, tmp_path_factory: pytest.TempPathFactory) -> pa
     """The folder that the command writes of the same plan, with its streams."""
     folder = tmp_path_factory.mktemp("board")
     sections.save(folder / "sections.json")
-    run_program(folder, "fpaa", "sections.json", "--stream", "-o", "fpaa")
+    run_program(folder, "fpaa", "sections.json", "--clock-hz", 2000, "--stream", "-o", "fpaa")
     return folder / "fpaa"
 
 

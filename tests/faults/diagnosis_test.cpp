@@ -84,19 +84,16 @@ bool among_tied(const Diagnosis& d, const std::string& part) {
 
 TEST(BoardDiagnosis, AGoodBoardIsNotAccused) {
   const synthesis::Circuit circuit = small_circuit();
-  for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const Diagnosis d =
-        diagnosed(circuit, drawn_parts(circuit, seed), true, seed == 1u ? "faults/kept_good.txt" : "");
-    EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << seed;
-    EXPECT_GT(d.good_probability, 0.5) << seed;
-  }
+  const Diagnosis d = diagnosed(circuit, drawn_parts(circuit, 1), true, "faults/kept_good.txt");
+  EXPECT_EQ(d.verdict, Verdict::nothing_wrong);
+  EXPECT_GT(d.good_probability, 0.5);
 }
 
 TEST(BoardDiagnosis, ACapacitorOfAnotherValueIsNamedOrTied) {
   const synthesis::Circuit circuit = small_circuit();
   std::size_t capacitors = 0;
   for (std::size_t i = 0; i < circuit.parts.size(); ++i) {
-    if (circuit.parts[i].kind != schematic::Part::Kind::capacitor || capacitors++ % 2 != 0) continue;
+    if (circuit.parts[i].kind != schematic::Part::Kind::capacitor || capacitors++ % 3 != 0) continue;
     synthesis::Circuit built = drawn_parts(circuit, 7 + i);
     built.parts[i].realised *= 1.47;
     const Diagnosis d = diagnosed(circuit, built, true, capacitors == 1 ? "faults/kept_capacitor.txt" : "");

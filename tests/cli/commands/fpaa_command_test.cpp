@@ -120,7 +120,7 @@ TEST(FpaaCommand, APlanStatesTheSpreadOfItsCapacitors) {
   ASSERT_EQ(result.status, 0) << result.err;
   const double moved = parse_json(result.out, "stdout").at("total").at("mismatch_p95_percent").number();
   const auto drawn = [&](const std::string& more) {
-    result = run_bodesmith("yield " + plan + " --samples 2000 --json" + more);
+    result = run_bodesmith("yield " + plan + " --samples 500 --json" + more);
     EXPECT_EQ(result.status, 0) << result.err;
     const Node node = parse_json(result.out, "stdout");
     return std::pair(node.at("unit_capacitor_percent").number(),

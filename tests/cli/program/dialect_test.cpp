@@ -3,40 +3,12 @@
 
 #include "base/files.hpp"
 #include "cli/dialect.hpp"
-#include "cli/example_circuits.hpp"
 
 namespace bodesmith {
 namespace {
 
 using testing::IsEmpty;
 using testing::Not;
-
-TEST(Dialect, EveryDeckOfEveryExampleIsReadAlike) {
-  const TemporaryFolder folder;
-  for (const ExampleCircuit& example : example_circuits()) {
-    const std::string sections = example_sections(example, folder);
-    for (const std::string options : {" --series exact --opamp ideal", " --opamp TL072"}) {
-      SCOPED_TRACE(example.name + options);
-      const std::filesystem::path made = folder / "made";
-      std::filesystem::remove_all(made);
-      const ProgramResult run =
-          run_bodesmith("spice " + sections + example.limits + options + " -o " + made.string());
-      ASSERT_EQ(run.status, 0) << run.err;
-      EXPECT_THAT(library_errors(made / "compensator.sub"), IsEmpty());
-      int decks = 0;
-      for (const auto& file : std::filesystem::directory_iterator(made)) {
-        if (file.path().extension() != ".cir") continue;
-        ++decks;
-        const std::string name = file.path().filename().string();
-        const Dialect dialect = name.starts_with("ltspice") ? Dialect::ltspice
-                                : name.starts_with("xyce")  ? Dialect::xyce
-                                                            : Dialect::ngspice;
-        EXPECT_THAT(dialect_errors(file.path(), dialect), IsEmpty()) << name;
-      }
-      EXPECT_EQ(decks, 7);
-    }
-  }
-}
 
 // The forms that lie or are rejected, each alone in a library that is otherwise good.
 TEST(Dialect, FormsThatLieAreSeen) {

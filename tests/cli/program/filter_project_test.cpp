@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "base/documents/document.hpp"
 #include "base/files.hpp"
@@ -130,8 +131,9 @@ TEST(FilterProject, ItsModelNamesThePartThatIsOff) {
   run("run p.toml -o out");
   const Node circuit = parse_json(read_file(folder / "out/spice/circuit.json"), "circuit.json");
   for (const Node& stage : circuit.at("stages").items()) {
+    bool tried = false;  // one of each stage
     for (const Node& part : stage.at("parts").items()) {
-      if (!part.has("realised_f")) continue;
+      if (!part.has("realised_f") || std::exchange(tried, true)) continue;
       const std::string name = part.at("part").string();
       SCOPED_TRACE(name);
       // Its line of the netlist: "C1_2 a b 1e-09".

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <sstream>
 
 #include "base/files.hpp"
+#include "cli/dialect.hpp"
 #include "cli/example_circuits.hpp"
 #include "run_program.hpp"
 #include "schematic/kicad_reader.hpp"
@@ -106,13 +108,12 @@ TEST(KicadSchematic, EveryRealizationIsTheNetlist) {
   write_file(folder / "seed.json", kSeed);
   write_file(folder / "mixed.json", kMixed);
   for (const std::string arguments :
-       {"mixed.json", "mixed.json --opamp TL072", "mixed.json --realization khn",
-        "two.json --realization khn", "two.json --realization tow-thomas --opamp TL072",
-        "two.json --realization multiple-feedback", "lowhigh.json --realization sallen-key --opamp NE5532",
-        "low.json --realization sallen-key", "high.json --realization sallen-key", "mixed.json --series E24",
-        "lowhigh.json --realization multiple-feedback", "seed.json", "seed.json --realization foster1",
-        "seed.json --realization foster2", "seed.json --realization cauer1",
-        "seed.json --realization cauer2 --opamp OPA2134"}) {
+       {"mixed.json --series E24", "mixed.json --realization khn", "two.json --realization khn",
+        "two.json --realization tow-thomas --opamp TL072", "two.json --realization multiple-feedback",
+        "lowhigh.json --realization sallen-key --opamp NE5532", "low.json --realization sallen-key",
+        "high.json --realization sallen-key", "lowhigh.json --realization multiple-feedback", "seed.json",
+        "seed.json --realization foster1", "seed.json --realization foster2",
+        "seed.json --realization cauer1", "seed.json --realization cauer2 --opamp OPA2134"}) {
     SCOPED_TRACE(arguments);
     const ProgramResult run = run_shell("cd '" + (folder / "").string() + "' && " + BODESMITH_PROGRAM +
                                         " spice " + arguments + " --allow-shortfall -o made");
@@ -121,17 +122,31 @@ TEST(KicadSchematic, EveryRealizationIsTheNetlist) {
   }
 }
 
-TEST(KicadSchematic, EveryExampleIsTheNetlist) {
+/// The schematic joins what the netlist joins, and every simulator reads its deck.
+TEST(KicadSchematic, EveryExampleIsTheNetlistAndItsDecksAreReadAlike) {
   const TemporaryFolder folder;
   for (const ExampleCircuit& example : example_circuits()) {
-    SCOPED_TRACE(example.name);
     const std::string sections = example_sections(example, folder);
-    for (const std::string options : {"", " --series exact --opamp TL072"}) {
-      const std::string out = (folder / "made").string();
-      std::filesystem::remove_all(out);
-      const ProgramResult run = run_bodesmith("spice " + sections + example.limits + options + " -o " + out);
+    for (const std::string options : {" --series exact --opamp ideal", " --opamp TL072"}) {
+      SCOPED_TRACE(example.name + options);
+      const std::filesystem::path made = folder / "made";
+      std::filesystem::remove_all(made);
+      const ProgramResult run =
+          run_bodesmith("spice " + sections + example.limits + options + " -o " + made.string());
       ASSERT_EQ(run.status, 0) << run.err;
-      expect_same(out, !options.empty() ? 1e-5 : 0.0);
+      expect_same(made.string(), options.find("exact") != std::string::npos ? 1e-5 : 0.0);
+      EXPECT_THAT(library_errors(made / "compensator.sub"), testing::IsEmpty());
+      int decks = 0;
+      for (const auto& file : std::filesystem::directory_iterator(made)) {
+        if (file.path().extension() != ".cir") continue;
+        ++decks;
+        const std::string name = file.path().filename().string();
+        const Dialect dialect = name.starts_with("ltspice") ? Dialect::ltspice
+                                : name.starts_with("xyce")  ? Dialect::xyce
+                                                            : Dialect::ngspice;
+        EXPECT_THAT(dialect_errors(file.path(), dialect), testing::IsEmpty()) << name;
+      }
+      EXPECT_EQ(decks, 7);
     }
   }
 }

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "base/documents/document.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {
@@ -21,21 +20,6 @@ TEST(RunStopped, TheFolderSaysThatItIsUnfinished) {
   EXPECT_TRUE(std::filesystem::exists(mark));
   EXPECT_TRUE(std::filesystem::exists(out + "/cascade.json"));
   EXPECT_FALSE(std::filesystem::exists(out + "/report.html"));
-}
-
-TEST(RunStopped, WithNoTimeLeftTheDesignStandsAndWhatWasLeftIsSaid) {
-  const TemporaryFolder folder;
-  const std::string out = (folder / "out").string();
-  const ProgramResult result =
-      run_bodesmith("run " BODESMITH_SOURCE_DIR "/examples/bench/project.toml --max-seconds 1e-6 -o " + out);
-  ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.out.find("not tried in the time given: errors of the controller's parts"),
-            std::string::npos)
-      << result.out;
-  const Node run = parse_json(read_file(out + "/run.json"), "run.json");
-  EXPECT_GE(run.at("not_tried").size(), 3U);
-  for (const char* file : {"sections.json", "controller/controller.sub", "tracking.csv", "report.html"})
-    EXPECT_TRUE(std::filesystem::exists(out + "/" + file)) << file;
 }
 
 TEST(Unbounded, ClocksAndFrequenciesBelowWhatADoubleKeepsAreRefusedInOneLine) {

@@ -11,11 +11,13 @@
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/controller/gains.hpp"
 #include "fpaa/controller/io.hpp"
+#include "fpaa/controller/netlist.hpp"
 #include "fpaa/controller/run.hpp"
 #include "fpaa/plan/plan_graph.hpp"
 #include "fpaa/seed_sections.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "kept_text.hpp"
+#include "texts.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -233,6 +235,19 @@ TEST(Controller, LoopThatDoesNotSettleIsRefusedInOneLine) {
   // Without the wish another structure is taken.
   EXPECT_NE(value_or_throw(make_controller(d, nullptr, nullptr, {})).best().structure,
             ControllerStructure::loop);
+}
+
+TEST(ControllerNetlist, ItsClocksAreThoseOfItsCams) {
+  const Controller controller = value_or_throw(make_controller(seed_disturbance(), nullptr, nullptr, {}));
+  const ControllerVariant& variant = variant_of(controller, PolynomialBy::outside, ControllerStructure::loop);
+  std::set<double> wanted, written;
+  for (const ControllerCam& cam : variant.cams) wanted.insert(1.0 / cam.clock_a.value);
+  const std::string text = controller_netlist(variant, {}, "title");
+  for (const auto& found : matches(text, "Vc[0-9]+p1 [^\\n]*PULSE\\([^)]* ([-+.0-9e]+)\\)"))
+    written.insert(std::stod(found[1]));
+  ASSERT_EQ(written.size(), wanted.size()) << text;
+  for (auto a = wanted.begin(), b = written.begin(); a != wanted.end(); ++a, ++b)
+    EXPECT_NEAR(*b / *a, 1.0, 1e-9);
 }
 
 TEST(Controller, EveryConverterNeedsItsClockB) {

@@ -60,6 +60,12 @@ TEST(StageRoots, ClosestPairsAreLeftOutFirst) {
   EXPECT_TRUE(shared_roots(sections, how).empty());
 }
 
+TEST(StageRoots, MoreZerosThanPolesHaveNoStage) {
+  Sections sections;
+  sections.sections = {{1.0, {-11.0, -12.0}, {-10.0}}};
+  EXPECT_TRUE(shared_roots(sections, options()).empty());
+}
+
 TEST(StageRoots, LowestAndHighestJoin) {
   Sections sections;
   sections.sections = {{1.0, {-11.0}, {-10.0}}, {1.0, {-110.0}, {-100.0}}, {1.0, {-9000.0}, {-5000.0}}};

@@ -62,8 +62,6 @@ struct Scene {
   std::vector<double> beyond_band_hz(double times, int count) const;
   /// Long looks for start values end here, with what they have.
   bool is_late() const { return late && late(); }
-  /// The output as it was measured.
-  double measured(std::size_t sample) const { return boundary.back().values[sample] + residual[sample]; }
 };
 
 /// What the effects look at: the training record of which most is left under the present model. `late`: Scene::late.

@@ -171,29 +171,21 @@ PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, P
   return set;
 }
 
-/// A round's best set more: of one name, or of a response two at once.
-std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const PlacedSet& set) {
-  const auto& options = setting.options;
-  auto round = fit_round(setting, beam.records, set.model);
-  if (options.stopped()) return std::nullopt;
-  beam.not_tried = std::move(round.not_tried);
-  const auto* best = best_of(setting, beam.records, set.model, round.ranking);
-  if (count_of(set) == 0) beam.first = round.ranking;
-  std::optional<PlacedSet> more;
-  if (best != nullptr && best->log_evidence > set.log_evidence)
-    more = with_candidate(set, *best, round.ranking);
-  if (!more) beam.refused = std::move(round.ranking);
-  return more;
-}
-
 /// The round's best, settled, or where that is another effect's form once it is fitted to its end, the next best; whether that
 /// raised the evidence.
 bool one_more(const SearchSetting& setting, Beam& beam) {
-  auto more = grown(setting, beam, beam.best);
-  while (more) {
-    const auto* effect = more->model.terms().back().effect;
-    auto ranking = more->rivals.back().ranking;
-    auto next = settled(setting, beam, std::move(*more));
+  auto [ranking, not_tried] = fit_round(setting, beam.records, beam.best.model);
+  if (setting.options.stopped()) return false;
+  beam.not_tried = std::move(not_tried);
+  for (bool first = true;; first = false) {
+    const auto* best = best_of(setting, beam.records, beam.best.model, ranking);
+    if (first && count_of(beam.best) == 0) beam.first = ranking;
+    if (best == nullptr || !(best->log_evidence > beam.best.log_evidence)) {
+      if (first) beam.refused = std::move(ranking);
+      return false;
+    }
+    const auto* effect = best->effect;
+    auto next = settled(setting, beam, with_candidate(beam.best, *best, ranking));
     next = improved(setting, beam.records, std::move(next));
     if (next.log_evidence > beam.best.log_evidence) {
       beam.best = std::move(next);
@@ -202,11 +194,7 @@ bool one_more(const SearchSetting& setting, Beam& beam) {
     beam.refused = ranking;
     if (count_of(next) > count_of(beam.best)) return false;
     std::erase_if(ranking, [&](const Ranked& r) { return r.effect == effect; });
-    const auto* best = best_of(setting, beam.records, beam.best.model, ranking);
-    if (best == nullptr || !(best->log_evidence > beam.best.log_evidence)) return false;
-    more = with_candidate(beam.best, *best, ranking);
   }
-  return false;
 }
 
 /// One name more after the other, as long as the evidence grows.

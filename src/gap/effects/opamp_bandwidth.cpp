@@ -68,7 +68,8 @@ Proposal slow(const Scene& scene, std::vector<SlowOpamp> opamps) {
   Term term;
   std::vector<std::string> numbers, parts;
   // From behind, so that the places in front stay where they are.
-  for (auto& one : std::views::reverse(opamps)) {
+  std::reverse(opamps.begin(), opamps.end());
+  for (auto& one : opamps) {
     one.section = model.id_at(one.at);
     const bool none = chain::corner_of(model.at(one.at)).empty();
     if (none || (!one.gain.empty() && one.gain[2] > 0.0)) {
@@ -86,12 +87,12 @@ Proposal slow(const Scene& scene, std::vector<SlowOpamp> opamps) {
   term.part = join(parts, ", ");
   term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
   term.write = [opamps](Model& m, std::span<const double> v) {
-    for (const auto& one : std::views::reverse(opamps)) write_poles(m, one, v[0]);
+    for (const auto& one : opamps) write_poles(m, one, v[0]);
   };
   term.reads_base_blocks = true;
   // It belongs inside its section, and taking its blocks out is all there is to undo.
   term.undo = [](Model&) {};
-  return propose_slower(scene, std::move(model), std::move(term), most_hz(scene, opamps.front().known_hz));
+  return propose_slower(scene, std::move(model), std::move(term), most_hz(scene, opamps.back().known_hz));
 }
 
 /// One that something passes without: the section itself changes. `at`: a biquad.

@@ -141,6 +141,7 @@ def fpaa(
     unit_capacitance_f: float | None = None,
     opamp_bandwidth_hz: float | None = None,
     opamp_gain: float | None = None,
+    switch_ohm: float | None = None,
     netlist: bool = False,
     seed: int = 1,
     progress: Progress | None = None,
@@ -151,8 +152,8 @@ def fpaa(
         topology: auto, chain (CAMs that AnadigmDesigner2 has, alone), bilinear (FilterBilinear, one chip, one clock).
         clock_hz: one clock for all, as a chain. min_clock_hz: no clock below it.
         band_hz: where errors are minimised and stated; default: over the corners.
-        unit_capacitor_percent, systematic_units, unit_capacitance_f, opamp_bandwidth_hz, opamp_gain: assumptions on the chip
-            (the vendor does not publish them).
+        unit_capacitor_percent, systematic_units, unit_capacitance_f: assumptions on the chip (the vendor does not publish them).
+        opamp_bandwidth_hz, opamp_gain, switch_ohm: how late stages follow, in every figure then; default: at once.
         netlist: also the plan as switched capacitors, `files["board.sub"]`.
         seed: of the mismatch draws.
     """
@@ -168,6 +169,7 @@ def fpaa(
         "unit_capacitance_f": unit_capacitance_f,
         "opamp_bandwidth_hz": opamp_bandwidth_hz,
         "opamp_gain": opamp_gain,
+        "switch_ohm": switch_ohm,
         "netlist": netlist,
         "seed": seed,
     }

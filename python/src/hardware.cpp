@@ -35,6 +35,11 @@ fpaa::PlanOptions plan_options(const Node& o) {
   out.assumptions.mismatch = fpaa::MismatchModel::from_node(o, {});
   out.assumptions.noise.unit_capacitance_f =
       positive_or(o, "unit_capacitance_f", out.assumptions.noise.unit_capacitance_f);
+  if (const auto hz = maybe_positive(o, "opamp_bandwidth_hz"))
+    out.assumptions.slow.opamp = schematic::OpAmpModel::one_pole(
+        {*hz}, positive_or(o, "opamp_gain", fpaa::SlowParts::typical().opamp.dc_gain));
+  out.assumptions.slow.switch_s =
+      maybe_positive(o, "switch_ohm").value_or(0.0) * out.assumptions.noise.unit_capacitance_f;
   out.assumptions.seed = seed_of(o);
   return out;
 }
@@ -61,18 +66,15 @@ Answer plan_board(const Call& call) {
   const Node& o = call.options;
   o.allow_only({"sections", "board", "topology", "clock_hz", "min_clock_hz", "band_hz",
                 "unit_capacitor_percent", "systematic_units", "unit_capacitance_f", "opamp_bandwidth_hz",
-                "opamp_gain", "netlist", "seed"});
+                "opamp_gain", "switch_ohm", "netlist", "seed"});
   Answer out;
   const Sections sections = rational_part(Sections::from_node(o.at("sections")), out.warnings);
   const fpaa::PlanOptions options = plan_options(o);
-  schematic::OpAmpModel opamp = fpaa::default_opamp();
-  opamp.gain_bandwidth = Hertz{positive_or(o, "opamp_bandwidth_hz", opamp.gain_bandwidth.value)};
-  opamp.dc_gain = positive_or(o, "opamp_gain", opamp.dc_gain);
   const Stopwatch watch;
   const fpaa::Plan plan = value_or_throw(fpaa::make_plan(sections, options));
   const double seconds = watch.seconds();
   Json body = plan.to_json();
-  body["budget"] = fpaa::error_budget(plan, sections, options.assumptions, opamp).to_json();
+  body["budget"] = fpaa::error_budget(plan, sections, options.assumptions).to_json();
   out.result = document("fpaa_plan", body, seconds);
   out.files["build_sheet.md"] = fpaa::build_sheet_markdown(plan);
   out.files["build_sheet.html"] = fpaa::build_sheet_html(plan);
@@ -80,7 +82,6 @@ Answer plan_board(const Call& call) {
   if (o.boolean_or("netlist", false)) {
     fpaa::NetlistParts parts;
     parts.unit_capacitance_f = options.assumptions.noise.unit_capacitance_f;
-    parts.opamp = opamp;
     out.files["board.sub"] = fpaa::board_netlist(plan, parts, "FPAA plan");
     out.files["board.cir"] = fpaa::board_deck(plan, "FPAA plan");
   }

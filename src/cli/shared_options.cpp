@@ -169,16 +169,23 @@ fpaa::MismatchModel read_mismatch(const CommandLine& line, fpaa::MismatchModel o
   return out;
 }
 
-void add_opamp_options(CommandLine& line) {
-  const schematic::OpAmpModel opamp = fpaa::default_opamp();
-  line.option<double>("opamp-bandwidth-hz",
-                      "an assumption, for settling: gain-bandwidth product of an op-amp",
-                      opamp.gain_bandwidth.value);
-  line.option<double>("opamp-gain", "an assumption: DC gain of an op-amp", opamp.dc_gain);
+void add_slow_options(CommandLine& line) {
+  const fpaa::SlowParts typical = fpaa::SlowParts::typical();
+  line.option<double>(
+      "opamp-bandwidth-hz",
+      "gain-bandwidth product of an op-amp: how late it follows is in every figure then (default: at once)");
+  line.option<double>("opamp-gain", "with it: DC gain of an op-amp", typical.opamp.dc_gain);
+  line.option<double>("switch-ohm", "resistance of a closed switch, likewise (default: none)");
 }
 
-schematic::OpAmpModel read_opamp_model(const CommandLine& line) {
-  return schematic::OpAmpModel::one_pole({line.positive("opamp-bandwidth-hz")}, line.positive("opamp-gain"));
+fpaa::SlowParts read_slow_parts(const CommandLine& line) {
+  fpaa::SlowParts out;
+  const double gain = line.positive("opamp-gain");
+  if (const auto bandwidth = line.maybe_positive("opamp-bandwidth-hz"))
+    out.opamp = schematic::OpAmpModel::one_pole({*bandwidth}, gain);
+  if (const auto ohm = line.maybe_positive("switch-ohm"))
+    out.switch_s = *ohm * read_noise_model(line).unit_capacitance_f;
+  return out;
 }
 
 void add_noise_options(CommandLine& line) {

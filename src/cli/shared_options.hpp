@@ -45,8 +45,8 @@ void add_mismatch_options(CommandLine& line);
 fpaa::MismatchModel read_mismatch(const CommandLine& line, fpaa::MismatchModel otherwise);
 
 /// --opamp-bandwidth-hz and --opamp-gain.
-void add_opamp_options(CommandLine& line);
-schematic::OpAmpModel read_opamp_model(const CommandLine& line);
+void add_slow_options(CommandLine& line);
+fpaa::SlowParts read_slow_parts(const CommandLine& line);
 
 /// --unit-capacitance-f and --noise-temperature-k.
 void add_noise_options(CommandLine& line);

@@ -12,7 +12,6 @@ from chip_bytes import board_of, sections_response
 from conftest import ROOT, run
 
 EXAMPLES = ROOT / "examples"
-FAST = ("--opamp-bandwidth-hz", "500e6", "--opamp-gain", "1e7")  # the stated error is of op-amps that settle
 
 
 def design(*words):
@@ -46,7 +45,7 @@ class Made:
         for step in steps:
             assert run(*step, cwd=folder).status in (0, 1)
         limits = ("--from-hz", band[0], "--to-hz", band[1]) if band else ()
-        done = run("fpaa", "sections.json", "-o", "board", "--stream", "--spice", *FAST, *limits, cwd=folder)
+        done = run("fpaa", "sections.json", "-o", "board", "--stream", "--spice", *limits, cwd=folder)
         assert done.status == 0, done.err
         self.folder = folder
         self.plan = json.loads((folder / "board/plan.json").read_text())

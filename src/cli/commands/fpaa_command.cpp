@@ -83,7 +83,7 @@ void add_plan_options(CommandLine& line) {
   line.option<double>("max-error-percent", "exit with 1 when the complex error as it runs is above this");
   add_mismatch_options(line);
   add_noise_options(line);
-  add_opamp_options(line);
+  add_slow_options(line);
   add_stream_options(line);
   line.flag("spice", "also the plan as switched capacitors: board.sub, and board.cir for ngspice");
   line.seed();
@@ -97,14 +97,14 @@ fpaa::PlanOptions plan_options(const CommandLine& line) {
   out.topology = line.choice("topology", {Topology::automatic, Topology::chain, Topology::bilinear});
   if (const auto clock = line.maybe_positive("min-clock-hz")) out.lowest_clock = Hertz{*clock};
   out.band = line.maybe_band();
-  out.assumptions = {read_mismatch(line, {}), read_noise_model(line), line.seed_value()};
+  out.assumptions = {read_mismatch(line, {}), read_noise_model(line), read_slow_parts(line),
+                     line.seed_value()};
   return out;
 }
 
 std::optional<fpaa::NetlistParts> netlist_parts(const CommandLine& line) {
   if (!line.has("spice")) return std::nullopt;
-  return fpaa::NetlistParts{.unit_capacitance_f = read_noise_model(line).unit_capacitance_f,
-                            .opamp = read_opamp_model(line)};
+  return fpaa::NetlistParts{.unit_capacitance_f = read_noise_model(line).unit_capacitance_f};
 }
 
 /// Where not all that is wanted was found: what the search had to choose between.
@@ -212,7 +212,7 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
       plan.board, clocks_text(plan), engineering_text(runs.band.from.value, "Hz", 4),
       engineering_text(runs.band.to.value, "Hz", 4), rounded_text(runs.max_complex_percent),
       rounded_text(runs.max_magnitude_db), rounded_text(runs.max_phase_deg),
-      engineering_text(runs.worst.value, "Hz", 4), settling_text(plan, budget.opamp), total_text(plan),
+      engineering_text(runs.worst.value, "Hz", 4), late_text(plan, budget.late), total_text(plan),
       rounded_text(budget.assumptions.noise.microvolts(budget.noise_in_band_kt_per_cu), 3),
       rounded_text(1e15 * budget.assumptions.noise.unit_capacitance_f), rounded_text(plan.max_input_v));
   const auto add_image = [&](const char* what, const std::optional<fpaa::ImageLine>& image) {
@@ -267,7 +267,7 @@ int plan_board(const std::vector<std::string>& arguments) {
   const double seconds = watch.seconds();
 
   const fpaa::ErrorBudget budget =
-      fpaa::error_budget(plan, sections, options.assumptions, read_opamp_model(line));
+      fpaa::error_budget(plan, sections, options.assumptions);
   Json json = plan.to_json();
   json["budget"] = budget.to_json();
   json = timed_document("fpaa_plan", from, json, seconds);

@@ -57,6 +57,29 @@ Json NoiseModel::to_json() const {
   return {{"unit_capacitance_f", unit_capacitance_f}, {"temperature_k", temperature_k}};
 }
 
+SlowParts SlowParts::typical(double unit_capacitance_f) {
+  return {schematic::OpAmpModel::one_pole(Hertz{20e6}, 1e5), 1e3 * unit_capacitance_f};
+}
+
+Json SlowParts::to_json() const {
+  Json out = Json::object();
+  if (!opamp.is_ideal) {
+    out["gain_bandwidth_hz"] = opamp.gain_bandwidth.value;
+    out["gain"] = opamp.dc_gain;
+  }
+  if (switch_s > 0.0) out["switch_s"] = switch_s;
+  return out;
+}
+
+SlowParts SlowParts::from_node(const Node& node) {
+  SlowParts out;
+  if (node.has("gain_bandwidth_hz"))
+    out.opamp = schematic::OpAmpModel::one_pole({node.at("gain_bandwidth_hz").positive()},
+                                                node.at("gain").positive());
+  if (node.has("switch_s")) out.switch_s = node.at("switch_s").positive();
+  return out;
+}
+
 const char* to_string(UnitArray array) {
   return array == UnitArray::nested ? "nested" : "binary";
 }

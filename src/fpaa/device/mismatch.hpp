@@ -5,6 +5,7 @@
 
 #include "base/documents/document.hpp"
 #include "base/documents/json_fwd.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -55,10 +56,25 @@ struct NoiseModel {
 /// So many boards are drawn where one is judged: what 95 % of them keep is then known to some 5 %.
 inline constexpr int kDrawnBoards = 300;
 
-/// Both, in every place where a plan is judged, and the boards that are drawn there.
+/// What makes stages follow late, and settle. Of this chip's nothing is publicly known: where the user gives nothing stages follow
+/// at once.
+struct SlowParts {
+  schematic::OpAmpModel opamp = schematic::OpAmpModel::ideal();
+  double switch_s = 0.0;  ///< resistance of a closed switch times the unit of capacitance
+
+  bool is_at_once() const { return opamp.is_ideal && switch_s == 0.0; }
+  /// What such chips may have: op-amps of 20 MHz, switches of 1 kohm.
+  static SlowParts typical(double unit_capacitance_f = NoiseModel().unit_capacitance_f);
+
+  Json to_json() const;
+  static SlowParts from_node(const Node& node);
+};
+
+/// All of them, in every place where a plan is judged, and the boards that are drawn there.
 struct BoardAssumptions {
   MismatchModel mismatch;
   NoiseModel noise;
+  SlowParts slow;
   std::uint64_t seed = 1;
 };
 

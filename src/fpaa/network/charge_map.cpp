@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -158,13 +159,73 @@ class MapMaker {
     out_.nodes_q = times(by_capacitors, from_q);
     out_.nodes_u = times(by_capacitors, from_u) + times(capacitance_, by_input);
     if (with_noise) add_opamp_noise(a, by_unknown);
+    add_lateness();
+  }
+
+  /// How far nodes and outputs stay behind, x, to the first order, d/dt of what is stored given: behind a switch the drop of the
+  /// current that its node's plates take, at the inputs of an op-amp what its output's motion needs,
+  ///   sum over closed switches (x_i - x_j) = R C_u dQ_i/dt,   x(minus) - x(plus) = dV_out/dt / (2 pi f),
+  /// and the charge of each group, which is conserved.
+  void add_lateness() {
+    const bool slow =
+        std::ranges::any_of(network_.opamps, [](const auto& amp) { return amp.late_s() > 0.0; });
+    if (!slow && network_.switch_s == 0.0) return;
+    const auto nodes = static_cast<Index>(network_.nodes),
+               opamps = static_cast<Index>(network_.opamps.size());
+    MatrixXd a = MatrixXd::Zero(nodes, nodes), given = MatrixXd::Zero(nodes, nodes + opamps);
+    for (std::size_t i = 0; i < network_.switches.size(); ++i) {
+      const SwitchedNetwork::Switch& s = network_.switches[i];
+      if (!closed_[i]) continue;
+      a(s.a, s.a) += 1.0;
+      a(s.b, s.b) += 1.0;
+      a(s.a, s.b) -= 1.0;
+      a(s.b, s.a) -= 1.0;
+    }
+    given.leftCols(nodes) = network_.switch_s * MatrixXd::Identity(nodes, nodes);
+    const auto replace = [&](Index row) {
+      a.row(row).setZero();
+      given.row(row).setZero();
+    };
+    std::vector<bool> summed(static_cast<std::size_t>(out_.charges), false);
+    for (Index node = 0; node < nodes; ++node) {
+      const int charge = out_.charge_of[static_cast<std::size_t>(node)];
+      if (charge >= 0 && !summed[static_cast<std::size_t>(charge)]) {
+        summed[static_cast<std::size_t>(charge)] = true;
+        replace(node);
+        for (Index other = 0; other < nodes; ++other) {
+          if (out_.charge_of[static_cast<std::size_t>(other)] == charge)
+            a.row(node) += capacitance_.row(other);
+        }
+      } else if (a(node, node) == 0.0) {
+        a(node, node) = 1.0;
+        given.row(node).setZero();
+      }
+    }
+    const auto hold = [&](Index node) {
+      replace(node);
+      a(node, node) = 1.0;
+    };
+    hold(0);
+    for (const int node : network_.inputs) hold(node);
+    for (Index k = 0; k < opamps; ++k) {
+      const SwitchedNetwork::OpAmp& amp = network_.opamps[static_cast<std::size_t>(k)];
+      replace(amp.out);
+      a(amp.out, amp.minus) += 1.0;
+      a(amp.out, amp.plus) -= 1.0;
+      given(amp.out, nodes + k) = amp.late_s();
+    }
+    const MatrixXd x = solve_lu_columns(a, given);
+    out_.late.resize(opamps + nodes, nodes + opamps);
+    for (Index k = 0; k < opamps; ++k)
+      out_.late.row(k) = x.row(network_.opamps[static_cast<std::size_t>(k)].out);
+    out_.late.bottomRows(nodes) = times(capacitance_, x);
   }
 
   /// `a`: the equations of all unknowns. Of op-amps with a bandwidth the outputs are given instead of their inputs equal.
   void add_opamp_noise(MatrixXd a, const MatrixXd& by_unknown) {
     ChargeMap::OpAmpNoise& out = out_.opamps;
     for (std::size_t k = 0; k < network_.opamps.size(); ++k) {
-      if (network_.opamps[k].gain_bandwidth.value > 0.0) out.of.push_back(static_cast<Index>(k));
+      if (network_.opamps[k].noise_per_hz > 0.0) out.of.push_back(static_cast<Index>(k));
     }
     const auto slow = static_cast<Index>(out.of.size());
     MatrixXd given = MatrixXd::Zero(a.rows(), slow);

@@ -74,8 +74,27 @@ ClockedNetwork::ClockedNetwork(const SwitchedNetwork& network, std::vector<std::
     const Eigen::MatrixXd sums = regrouped(*at[(i + 1) % at.size()]);
     intervals_[i].m = times(sums, at[i]->nodes_q);
     intervals_[i].n = times(sums, at[i]->nodes_u);
+    if (at[i]->late.size() > 0)
+      add_lateness(intervals_[i], *at[i], *at[(i + at.size() - 1) % at.size()], sums);
     if (with_noise) add_noise(intervals_[i], *at[i], *at[(i + 1) % at.size()], sums);
   }
+}
+
+void ClockedNetwork::add_lateness(Interval& interval, const ChargeMap& here, const ChargeMap& last,
+                                  const Eigen::MatrixXd& sums) const {
+  const auto opamps = static_cast<Eigen::Index>(opamps_), nodes = here.nodes_u.rows();
+  const Eigen::MatrixXd read = here.late.row(static_cast<Eigen::Index>(output_));
+  const Eigen::MatrixXd late_charges = here.late.bottomRows(nodes);
+  const Eigen::MatrixXd charges = times(sums, late_charges);
+  const auto of = [&](const Eigen::MatrixXd& row, const Eigen::MatrixXd& q, const Eigen::MatrixXd& v) {
+    return Eigen::MatrixXd(times(Eigen::MatrixXd(row.leftCols(nodes)), q) +
+                           times(Eigen::MatrixXd(row.rightCols(opamps)), v));
+  };
+  interval.behind_q = of(read, here.nodes_q, here.volts_q);
+  interval.behind_u = of(read, here.nodes_u, here.volts_u);
+  interval.behind_last_q = of(read, last.nodes_q, last.volts_q);
+  interval.behind_last_u = of(read, last.nodes_u, last.volts_u);
+  interval.late_n = of(charges, here.nodes_u, here.volts_u);
 }
 
 /// Where the switches move, x leaves sums nodes x in the charges. The op-amps' outputs go on from where they were: what is

@@ -27,15 +27,8 @@ VectorXcd solve_periodic(Complex turn, const MatrixXd& loop, const VectorXcd& b)
   return solve_lu(Eigen::MatrixXcd(turn * Eigen::MatrixXcd::Identity(loop.rows(), loop.cols()) - loop), b);
 }
 
-/// out = M q + N u, without allocating for what is small.
-void step(const ClockedNetwork::Interval& at, const VectorXcd& q, const Complex* u, VectorXcd& out) {
-  out.resize(at.m.rows());
-  for (Index r = 0; r < at.m.rows(); ++r) {
-    Complex sum = 0.0;
-    for (Index k = 0; k < at.m.cols(); ++k) sum += at.m(r, k) * q(k);
-    for (Index k = 0; k < at.n.cols(); ++k) sum += at.n(r, k) * u[k];
-    out(r) = sum;
-  }
+Complex turned_by(double rate, Complex value) {
+  return {-rate * value.imag(), rate * value.real()};
 }
 
 [[noreturn]] void too_many_instants() {
@@ -133,7 +126,7 @@ std::size_t PeriodicNetworks::add(ClockedNetwork network, std::vector<Source> so
   std::vector<std::size_t> made;
   bool fits = !may_follow_ || !network.has_noise();
   for (std::vector<Source>& part : parts_of(network.period(), sources)) {
-    Node& node = nodes_.emplace_back(Node{network, std::move(part), 1, {}, {}, {}, {}, {}, {}, {}});
+    Node& node = nodes_.emplace_back(Node{network, std::move(part), 1, {}, {}, {}, {}, {}, {}, {}, {}});
     fits = fits && lay_pieces(node);
     made.push_back(nodes_.size() - 1);
   }
@@ -189,8 +182,8 @@ std::optional<std::size_t> PeriodicNetworks::followed_by(const Node& node) const
 }
 
 bool PeriodicNetworks::lay_pieces(Node& node) const {
-  node =
-      Node{std::move(node.clocked), std::move(node.sources), 1, {}, {}, {}, {}, {}, {}, std::move(node.loop)};
+  node = Node{std::move(node.clocked), std::move(node.sources), 1, {}, {}, {}, {}, {}, {}, {},
+              std::move(node.loop)};
   node.follows = followed_by(node);
   const bool nested = node.follows.has_value();
   std::vector<std::int64_t> periods{node.clocked.period()};
@@ -243,6 +236,7 @@ bool PeriodicNetworks::lay_pieces(Node& node) const {
   for (const Source& source : node.sources) {
     std::vector<std::uint32_t> piece(pieces, 0);
     std::vector<std::uint32_t> turn(pieces, 0);
+    std::vector<bool> begins(pieces, false);
     if (source.kind == Source::Kind::network && !nested) {
       const Node& from = nodes_[source.network];
       if (from.follows && node.follows && *node.follows != *from.follows) return false;
@@ -258,10 +252,12 @@ bool PeriodicNetworks::lay_pieces(Node& node) const {
         }
         piece[i] = static_cast<std::uint32_t>(at);
         turn[i] = turns;
+        begins[i] = from.edges[at] + static_cast<std::int64_t>(turns) * from.period == node.edges[i];
       }
     }
     node.source_piece.push_back(std::move(piece));
     node.source_turn.push_back(std::move(turn));
+    node.source_begins.push_back(std::move(begins));
   }
   return !node.follows || std::ranges::all_of(node.edges, [&](std::int64_t edge) {
     return edge % nodes_[*node.follows].period == 0;
@@ -285,6 +281,7 @@ PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std
   const std::size_t count = node.clocked.inputs();
   const double per_tick = w / ticks_per_second_;
   Inputs out;
+  out.w = w;
   out.alpha.assign(pieces * count, 0.0);
   out.beta.assign(pieces * count, 0.0);
   out.turn_at_end.reserve(pieces);
@@ -293,10 +290,16 @@ PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std
     out.turn_at_end.push_back(turning.at(static_cast<double>(node.edges[i + 1])));
   if (node.follows) {
     out.gamma.assign(pieces * count, 0.0);
-    const Complex start = known[*node.follows].end *
-                          std::polar(1.0, -per_tick * static_cast<double>(nodes_[*node.follows].period));
+    const Complex known_turn = std::polar(1.0, per_tick * static_cast<double>(nodes_[*node.follows].period));
+    const Complex start = known[*node.follows].end / known_turn;
     for (const Complex turn : out.turn_at_end) out.followed_at_end.push_back(start * turn);
+    out.followed_at_start = start;
+    out.late.assign(pieces * count, 0.0);
+    for (const Complex turn : out.turn_at_end)
+      out.followed_rate_at_end.push_back(known[*node.follows].end_rate / known_turn * turn);
   }
+  const bool late = node.clocked.is_late();
+  if (late) out.peak.assign(pieces * count, 0.0);
   for (std::size_t k = 0; k < node.sources.size(); ++k) {
     const Source& source = node.sources[k];
     if (source.kind == Source::Kind::board_input) {
@@ -317,28 +320,112 @@ PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std
         out.alpha[i * count + k] = from.alpha[piece] * turn;
         out.beta[i * count + k] = from.beta[piece];
         if (from.follows) out.gamma[i * count + k] = from.gamma[piece];
+        if (!from.late.empty()) out.late[i * count + k] = from.late[piece];
+        if (late && !from.peak.empty() && node.source_begins[k][i])
+          out.peak[i * count + k] = from.peak[piece] * turn;
       }
     }
   }
   out.at_end.resize(pieces * count);
   for (std::size_t at = 0; at < out.at_end.size(); ++at) {
     out.at_end[at] = out.alpha[at] + out.beta[at] * out.turn_at_end[at / count];
-    if (node.follows) out.at_end[at] += out.gamma[at] * out.followed_at_end[at / count];
+    if (node.follows)
+      out.at_end[at] += out.gamma[at] * out.followed_at_end[at / count] -
+                        out.late[at] * out.followed_rate_at_end[at / count];
+  }
+  if (!late) return out;
+  out.rate_at_end.resize(pieces * count);
+  for (std::size_t at = 0; at < out.rate_at_end.size(); ++at) {
+    const Complex turn = out.turn_at_end[at / count];
+    out.rate_at_end[at] = turned_by(w, out.beta[at] * turn);
+    if (node.follows) out.rate_at_end[at] += out.gamma[at] * out.followed_rate_at_end[at / count];
   }
   return out;
 }
 
+/// The charges behind a piece: M q + N u, and of slow parts -L du/dt; without allocating for what is small.
+void PeriodicNetworks::step(const Node& node, const Inputs& in, std::size_t piece, VectorXcd& q,
+                            VectorXcd& next) {
+  const ClockedNetwork::Interval& at = node.clocked.intervals()[node.interval[piece]];
+  const std::size_t first = piece * node.clocked.inputs();
+  next.resize(at.m.rows());
+  for (Index r = 0; r < at.m.rows(); ++r) {
+    Complex sum = 0.0;
+    for (Index k = 0; k < at.m.cols(); ++k) sum += at.m(r, k) * q(k);
+    for (Index k = 0; k < at.n.cols(); ++k)
+      sum += at.n(r, k) * in.at_end[first + static_cast<std::size_t>(k)];
+    for (Index k = 0; k < at.late_n.cols(); ++k)
+      sum -= at.late_n(r, k) * in.rate_at_end[first + static_cast<std::size_t>(k)];
+    next(r) = sum;
+  }
+  q.swap(next);
+}
+
 VectorXcd PeriodicNetworks::start_of(const Node& node, const Inputs& in) {
-  const std::size_t count = node.clocked.inputs();
   VectorXcd q = VectorXcd::Zero(node.loop.rows());
   VectorXcd next;
   for (std::size_t i = 0; i < node.pieces(); ++i) {
-    if (!node.ends[i]) continue;
-    step(node.clocked.intervals()[node.interval[i]], q, in.at_end.data() + i * count, next);
-    q.swap(next);
+    if (node.ends[i]) step(node, in, i, q, next);
   }
   return solve_periodic(in.turn_at_end.back(), node.loop, q);
 }
+
+/// What is late of a node's output, piece by piece.
+class PeriodicNetworks::LateOutput {
+ public:
+  LateOutput(const Node& node, const Inputs& in) : node_(node), in_(in) {}
+
+  /// `q`: charges at the piece's beginning.
+  void follow(std::size_t i, const VectorXcd& q, SineWaveform& out) {
+    const auto& at = node_.clocked.intervals()[node_.interval[i]];
+    const std::size_t count = node_.clocked.inputs(), first = i * count;
+    if (out.peak.empty()) out.peak.assign(node_.pieces(), 0.0);
+    if (node_.follows && out.late.empty()) out.late.assign(node_.pieces(), 0.0);
+    const Complex turn = i == 0 ? 1.0 : in_.turn_at_end[i - 1];
+    Complex stored = 0.0, moves = 0.0;
+    for (Index k = 0; k < q.size(); ++k) stored += at.behind_q(k) * q(k);
+    const Index output = index(node_.clocked.output());
+    for (std::size_t k = 0; k < count; ++k) {
+      const double behind_s = at.behind_u(index(k)), follows = at.d(output, index(k));
+      Complex begin = in_.alpha[first + k] + in_.beta[first + k] * turn;
+      if (node_.follows) {
+        begin += in_.gamma[first + k] * (i == 0 ? in_.followed_at_start : in_.followed_at_end[i - 1]);
+        out.late[i] += behind_s * in_.gamma[first + k] + follows * in_.late[first + k];
+      }
+      stored += behind_s * begin;
+      moves += behind_s * in_.beta[first + k];
+      out.peak[i] += follows * in_.peak[first + k];
+    }
+    out.beta[i] -= turned_by(in_.w, moves);
+    out.peak[i] -= stored;
+    if (i > 0) out.peak[i] += stored_before(i, i - 1);
+    last_q_ = q;
+    if (i + 1 < node_.pieces()) return;
+    // The first piece comes after the last one of the period before.
+    out.peak[0] += stored_before(0, i) * std::conj(in_.turn_at_end[i]);
+    // As what has settled moves: that it is late changes this to the second order.
+    for (std::size_t k = 0; k < count; ++k)
+      out.end_rate += at.d(output, index(k)) * in_.rate_at_end[first + k];
+  }
+
+ private:
+  /// At the end of the piece `before`, as this piece's lateness weighs it.
+  Complex stored_before(std::size_t i, std::size_t before) const {
+    const auto& at = node_.clocked.intervals()[node_.interval[i]];
+    const bool same = !node_.ends[before];
+    const Eigen::RowVectorXd& of_q = same ? at.behind_q : at.behind_last_q;
+    const Eigen::RowVectorXd& of_u = same ? at.behind_u : at.behind_last_u;
+    const std::size_t count = node_.clocked.inputs();
+    Complex out = 0.0;
+    for (Index k = 0; k < last_q_.size(); ++k) out += of_q(k) * last_q_(k);
+    for (std::size_t k = 0; k < count; ++k) out += of_u(index(k)) * in_.at_end[before * count + k];
+    return out;
+  }
+
+  const Node& node_;
+  const Inputs& in_;
+  VectorXcd last_q_;  ///< of the last piece
+};
 
 std::vector<SineWaveform> PeriodicNetworks::waveforms(const Node& node, const Inputs& in,
                                                       std::span<const std::size_t> opamps) {
@@ -354,6 +441,8 @@ std::vector<SineWaveform> PeriodicNetworks::waveforms(const Node& node, const In
   }
   VectorXcd q = start_of(node, in);
   VectorXcd next;
+  std::optional<LateOutput> late;
+  if (node.clocked.is_late()) late.emplace(node, in);
   for (std::size_t i = 0; i < pieces; ++i) {
     const auto& at = node.clocked.intervals()[node.interval[i]];
     for (std::size_t o = 0; o < opamps.size(); ++o) {
@@ -369,14 +458,14 @@ std::vector<SineWaveform> PeriodicNetworks::waveforms(const Node& node, const In
       out[o].beta[i] = beta;
       for (std::size_t k = 0; k < count && node.follows; ++k)
         out[o].gamma[i] += at.d(row, index(k)) * in.gamma[i * count + k];
+      if (late && opamps[o] == node.clocked.output()) late->follow(i, q, out[o]);
     }
-    if (!node.ends[i]) continue;
-    step(at, q, in.at_end.data() + i * count, next);
-    q.swap(next);
+    if (node.ends[i]) step(node, in, i, q, next);
   }
   for (SineWaveform& one : out) {
     one.end = one.alpha.back() + one.beta.back() * in.turn_at_end.back();
     if (node.follows) one.end += one.gamma.back() * in.followed_at_end.back();
+    if (!one.late.empty()) one.end -= one.late.back() * in.followed_rate_at_end.back();
   }
   return out;
 }
@@ -396,10 +485,12 @@ Complex PeriodicNetworks::mean(const SineWaveform& of, const std::vector<SineWav
   Complex sum = 0.0;
   TurningSpans constant(-line / ticks_per_second_);
   TurningSpans moving((w - line) / ticks_per_second_);
+  Turning begins(-line / ticks_per_second_);
   for (std::size_t i = 0; i < of.alpha.size(); ++i) {
     const auto from = static_cast<double>(edges[i]);
     const auto to = static_cast<double>(edges[i + 1]);
     if (of.alpha[i] != 0.0) sum += of.alpha[i] * constant.over(from, to);
+    if (!of.peak.empty()) sum += of.peak[i] * ticks_per_second_ * begins.at(from);
     if (of.beta[i] != 0.0) sum += of.beta[i] * (line == w ? Complex(to - from) : moving.over(from, to));
   }
   if (of.follows) {
@@ -410,8 +501,8 @@ Complex PeriodicNetworks::mean(const SineWaveform& of, const std::vector<SineWav
     for (std::size_t i = 0; i < of.gamma.size(); ++i) {
       const auto from = static_cast<double>(edges[i] / period);
       const auto turns = static_cast<double>((edges[i + 1] - edges[i]) / period);
-      sum += of.gamma[i] * one * std::polar(1.0, turn * (from + 0.5 * (turns - 1.0))) *
-             size_of_turns(turn, turns);
+      const Complex gamma = of.late.empty() ? of.gamma[i] : of.gamma[i] - turned_by(line, of.late[i]);
+      sum += gamma * one * std::polar(1.0, turn * (from + 0.5 * (turns - 1.0))) * size_of_turns(turn, turns);
     }
   }
   return sum / static_cast<double>(edges.back());

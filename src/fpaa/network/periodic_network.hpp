@@ -23,6 +23,11 @@ struct SineWaveform {
   std::optional<std::size_t> follows = {};
   std::vector<double> gamma = {};
   Complex end = 0.0;  ///< at edges.back()
+  /// Of what follows late, in addition: area of a short peak where each piece begins, V s; -late_i times d/dt of what is followed,
+  /// in seconds.
+  std::vector<Complex> peak = {};
+  std::vector<double> late = {};
+  Complex end_rate = 0.0;  ///< d/dt just before edges.back()
 };
 
 /// Clocked networks one behind the other, none of which reads what depends on it: the board of a plan.
@@ -35,6 +40,8 @@ struct SineWaveform {
 /// of the last network's output: a component at another line w + 2 pi k/L likewise. The cost of a frequency grows
 /// with the switching instants in L: two for each network where all share a clock. What reads a faster clock of which its own
 /// intervals take in whole periods follows that waveform, which is the same but for a turn in each of them: a geometric sum.
+///
+/// Slow op-amps and switches follow late (ClockedNetwork), to the first order in their time constants.
 ///
 /// The response is linear: what a network reads of clocks that have no short common period with one another is
 /// superposed, each part over its own common period with the network's clocks.
@@ -101,19 +108,25 @@ class PeriodicNetworks {
     /// [input][piece]: piece of the source and how many of the source's periods later.
     std::vector<std::vector<std::uint32_t>> source_piece;
     std::vector<std::vector<std::uint32_t>> source_turn;
-    std::optional<std::size_t> follows;  ///< SineWaveform::follows
-    Eigen::MatrixXd loop;                ///< q over the whole period without an input
+    std::vector<std::vector<bool>> source_begins;  ///< likewise: whether a piece of the source begins with it
+    std::optional<std::size_t> follows;            ///< SineWaveform::follows
+    Eigen::MatrixXd loop;                          ///< q over the whole period without an input
 
     std::size_t pieces() const { return interval.size(); }
   };
   /// Inputs of a node, one waveform each on the node's own pieces.
   struct Inputs {
-    std::vector<Complex> alpha, beta, at_end;  ///< [piece * inputs + input]
-    std::vector<double> gamma;                 ///< likewise; none where nothing is followed
-    std::vector<Complex> turn_at_end;          ///< exp(j w edge) of each piece's end
-    std::vector<Complex> followed_at_end;      ///< what is followed, there
+    std::vector<Complex> alpha, beta, at_end;   ///< [piece * inputs + input]
+    std::vector<double> gamma, late;            ///< likewise; none where nothing is followed
+    std::vector<Complex> turn_at_end;           ///< exp(j w edge) of each piece's end
+    std::vector<Complex> followed_at_end;       ///< what is followed, there
+    Complex followed_at_start = 0.0;            ///< and just before the first piece
+    std::vector<Complex> followed_rate_at_end;  ///< d/dt of it
+    std::vector<Complex> peak, rate_at_end;     ///< as alpha, of slow parts: SineWaveform::peak, and d/dt
+    double w = 0.0;
   };
   class NoisePass;
+  class LateOutput;
 
   std::vector<std::vector<Source>> parts_of(std::int64_t own, const std::vector<Source>& sources) const;
   /// False where what its sources follow does not fit its own intervals.
@@ -121,6 +134,8 @@ class PeriodicNetworks {
   std::optional<std::size_t> followed_by(const Node& node) const;
   static void find_loop(Node& node);
   Inputs inputs_of(const Node& node, const std::vector<SineWaveform>& known, double w) const;
+  static void step(const Node& node, const Inputs& in, std::size_t piece, Eigen::VectorXcd& q,
+                   Eigen::VectorXcd& next);
   /// Charges at the beginning of the period.
   static Eigen::VectorXcd start_of(const Node& node, const Inputs& in);
   /// Waveforms of these op-amps (rows of V).

@@ -28,21 +28,16 @@ double feedback_share(const StageSwitches& stage, int opamp, int phase) {
 
 }  // namespace
 
-double unsettled_share(const StageSwitches& stage, const schematic::OpAmpModel& opamp, Hertz clock,
-                       Hertz highest) {
+double unsettled_share(const StageSwitches& stage, const schematic::OpAmpModel& opamp, Hertz clock) {
   double out = 0.0;
-  double behind = 0.0;
   for (int k = 1; k <= static_cast<int>(stage.opamps.size()); ++k) {
-    double least = 1.0;
     for (const int phase : {1, 2}) {
       const double beta = std::max(feedback_share(stage, k, phase), 1e-9);
-      least = std::min(least, beta);
       const double left = std::exp(-std::numbers::pi * beta * opamp.gain_bandwidth.value / clock.value);
       out = std::max(out, left + 1.0 / (beta * opamp.dc_gain));
     }
-    behind += highest.value / (least * opamp.gain_bandwidth.value);
   }
-  return out + behind;
+  return out;
 }
 
 }  // namespace bodesmith::fpaa

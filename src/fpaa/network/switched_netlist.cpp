@@ -66,6 +66,7 @@ SwitchedNetlist SwitchedNetlist::read(std::string_view text, const std::string& 
   for (const schematic::Part& c : netlist.parts) out.unit_f = std::max(out.unit_f, c.realised);
   if (!(out.unit_f > 0.0)) throw InputError(file + ": there are no capacitors, expected at least one");
   for (schematic::Part& c : netlist.parts) c.realised /= out.unit_f;
+  if (netlist.analog_switch.is_plain()) out.circuit.switch_s = netlist.analog_switch.on_ohm * out.unit_f;
   return out;
 }
 

@@ -14,7 +14,9 @@ namespace {
 /// Nodes of a stage's circuit as they are asked for.
 class StageNodes {
  public:
-  explicit StageNodes(const StageSwitches& stage) {
+  StageNodes(const StageSwitches& stage, const SlowParts& slow) {
+    circuit.netlist.opamp = slow.opamp;
+    circuit.switch_s = slow.switch_s;
     int clocks = 1;
     for (const StageCapacitor& c : stage.capacitors)
       clocks = std::max({clocks, c.near.clock + 1, c.far.clock + 1});
@@ -25,7 +27,6 @@ class StageNodes {
     }
     for (int i = 1; i <= stage.inputs(); ++i) circuit.inputs.push_back(fmt::format("in{}", i));
     circuit.output = "out";
-    circuit.netlist.opamp = schematic::OpAmpModel::ideal();
     for (int k = 1; k <= static_cast<int>(stage.opamps.size()); ++k) {
       circuit.netlist.opamps.push_back({fmt::format("A{}", k), "", 0, "0", fmt::format("n{}", k),
                                         k == stage.output ? circuit.output : fmt::format("a{}", k)});
@@ -71,8 +72,8 @@ class StageNodes {
 
 }  // namespace
 
-SwitchedCircuit circuit_of(const StageSwitches& stage) {
-  StageNodes out(stage);
+SwitchedCircuit circuit_of(const StageSwitches& stage, const SlowParts& slow) {
+  StageNodes out(stage, slow);
   for (const StageCapacitor& c : stage.capacitors) {
     if (!(c.units > 0.0)) continue;
     const std::string near = out.plate(c.near), far = out.plate(c.far);
@@ -87,7 +88,7 @@ SwitchedCircuit circuit_of(const StageSwitches& stage) {
   return std::move(out.circuit);
 }
 
-SwitchedNetwork::SwitchedNetwork(const SwitchedCircuit& circuit) {
+SwitchedNetwork::SwitchedNetwork(const SwitchedCircuit& circuit) : switch_s(circuit.switch_s) {
   const schematic::Netlist& netlist = circuit.netlist;
   std::map<std::string, int> numbers{{"0", 0}};
   const auto node = [&](const std::string& name) {
@@ -97,10 +98,12 @@ SwitchedNetwork::SwitchedNetwork(const SwitchedCircuit& circuit) {
   output = -1;
   for (const schematic::OpAmp& one : netlist.opamps) {
     const schematic::OpAmpModel& model = netlist.model_of(one);
-    const double noise = std::pow(model.voltage_noise_v_per_rthz, 2);
     if (one.out == circuit.output) output = static_cast<int>(opamps.size());
-    opamps.push_back({.plus = node(one.plus), .minus = node(one.minus), .out = node(one.out)});
-    if (noise > 0.0) opamps.back().gain_bandwidth = model.gain_bandwidth, opamps.back().noise_per_hz = noise;
+    opamps.push_back({.plus = node(one.plus),
+                      .minus = node(one.minus),
+                      .out = node(one.out),
+                      .gain_bandwidth = model.is_ideal ? Hertz{0.0} : model.gain_bandwidth,
+                      .noise_per_hz = std::pow(model.voltage_noise_v_per_rthz, 2)});
   }
   if (output < 0) throw DesignError(fmt::format("no op-amp drives the output {}", circuit.output));
   if (!netlist.multipliers.empty() || !netlist.sources.empty() || !netlist.expressions.empty())

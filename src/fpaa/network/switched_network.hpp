@@ -6,6 +6,7 @@
 
 #include "base/units.hpp"
 #include "fpaa/cams/switches.hpp"
+#include "fpaa/device/mismatch.hpp"
 #include "schematic/netlist.hpp"
 
 namespace bodesmith::fpaa {
@@ -21,13 +22,13 @@ struct SwitchedCircuit {
   std::vector<std::string> inputs;
   std::string output;  ///< of an op-amp
   std::vector<Phase> phases;
+  double switch_s = 0.0;  ///< resistance of a closed switch times the unit of capacitance
 };
 
 /// A stage's circuit: nodes in1 … out p1 p2 …, n1 … at the inverting inputs, u1 … behind switches; capacitors in units.
-SwitchedCircuit circuit_of(const StageSwitches& stage);
+SwitchedCircuit circuit_of(const StageSwitches& stage, const SlowParts& slow = {});
 
-/// The same with its nodes counted, 0 is ground. Switches have no resistance, op-amps any gain, and all have settled when a
-/// switch moves.
+/// The same with its nodes counted, 0 is ground. Op-amps have any gain, and all has settled when a switch moves.
 struct SwitchedNetwork {
   struct Capacitor {
     int a = 0, b = 0;
@@ -41,8 +42,9 @@ struct SwitchedNetwork {
   };
   struct OpAmp {
     int plus = 0, minus = 0, out = 0;
-    Hertz gain_bandwidth{0.0};  ///< what its noise is limited by; 0: none is known
+    Hertz gain_bandwidth{0.0};  ///< 0: none is known, it follows at once
     double noise_per_hz = 0.0;  ///< one-sided density at its input
+    double late_s() const { return gain_bandwidth.value > 0.0 ? 1.0 / gain_bandwidth.rad_s().value : 0.0; }
   };
   int nodes = 1;  ///< ground among them
   std::vector<Capacitor> capacitors;
@@ -50,6 +52,7 @@ struct SwitchedNetwork {
   std::vector<OpAmp> opamps;
   std::vector<int> inputs;  ///< nodes held at the inputs' voltages
   int output = 0;           ///< index of the op-amp that is read outside
+  double switch_s = 0.0;    ///< SwitchedCircuit::switch_s
 
   /// Throws DesignError where the netlist has other elements, or no op-amp at the output.
   SwitchedNetwork(const SwitchedCircuit& circuit);
@@ -70,16 +73,21 @@ struct ChargeMap {
   /// kT times the unit of capacitance (nodes x nodes).
   Eigen::MatrixXd noise;
 
-  /// Of the op-amps with a bandwidth, x their outputs in addition to the above while no switch moves:
+  /// Of the op-amps with a noise of their own, x their outputs in addition to the above while no switch moves:
   ///   dx/dt = 2 pi f (v(plus) - v(minus) + e) = A x + 2 pi f e,   e white.
   struct OpAmpNoise {
     std::vector<Eigen::Index> of;  ///< their indices
     Eigen::MatrixXd volts, nodes;  ///< outputs of all op-amps, and charges of the plates at each node, from x
     Eigen::MatrixXd settling_s;    ///< -1/A
     double slowest_s = 0.0;        ///< longest time constant
-    Eigen::MatrixXd covariance;    ///< of x, in kT over the unit of capacitance
+    Eigen::MatrixXd
+        covariance;  ///< of x, in kT over the unit of capacitance; with the noise of the switches alone
   };
   OpAmpNoise opamps;
+
+  /// Where op-amps or switches are slow: [outputs of op-amps, Q] stay behind, to the first order in their time constants, by
+  ///   -late d/dt [Q, outputs of op-amps]       (late: opamps + nodes x nodes + opamps, s)
+  Eigen::MatrixXd late;
 };
 
 /// Throws DesignError where the voltages are not determined: an op-amp without feedback, an input joined to ground.

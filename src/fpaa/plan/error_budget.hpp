@@ -12,6 +12,17 @@
 
 namespace bodesmith::fpaa {
 
+/// The plan's error as it runs with op-amps and switches that follow late: those it knows, else what such chips may have.
+struct LateFigure {
+  SlowParts parts;
+  double percent = 0.0;
+  Hertz worst{0.0};
+};
+LateFigure late_figure(const Plan& plan, const Sections& sections);
+/// A line on it where the plan knows none and it is more than ngspice on the board's netlist may differ from the stated error
+/// (2 % of it, .02 points); empty elsewhere.
+std::string late_text(const Plan& plan, const LateFigure& late);
+
 /// What departs from a plan as its switches make it, each cause by itself, over the plan's band.
 struct ErrorBudget {
   /// Capacitors that matter most to what drawn boards do (plan_total), and the models that were assumed.
@@ -26,16 +37,15 @@ struct ErrorBudget {
     double noise_kt_per_cu =
         0.0;  ///< mean square at the plan's output up to half the fastest clock, in kT/C_u
     double noise_in_band_kt_per_cu = 0.0;
-    double settling_percent = 0.0;  ///< of its largest step, and how late it follows (settling.hpp)
+    double settling_percent = 0.0;  ///< of its largest step (settling.hpp)
   };
   std::vector<CamShare> cams;
   double settling_limit_hz = 0.0;
   double noise_kt_per_cu = 0.0;
   double noise_in_band_kt_per_cu = 0.0;
 
-  /// Op-amps with this bandwidth and gain do not settle whole in half a period, and follow late: at most the sum of what each
-  /// CAM leaves of its step and is behind at the band's upper end.
-  schematic::OpAmpModel opamp;
+  /// Op-amps do not settle whole in half a period: at most the sum of what each CAM leaves of its step; and they follow late.
+  LateFigure late;
   double settling_percent = 0.0;
 
   Json to_json() const;
@@ -45,12 +55,7 @@ struct ErrorBudget {
 /// network makes it at the pin, every folding in it (network/periodic_network.hpp). C_u, the unit capacitance, is not
 /// publicly known, so the result is in kT/C_u, and in uV for the assumed one. Op-amp noise is not in it (not publicly
 /// known).
-ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions,
-                         const schematic::OpAmpModel& opamp);
-
-/// A line on what `error_with_delays` leaves out, whose op-amps settle; empty where that is less than ngspice on the board's
-/// netlist may differ from it (2 % of it, .02 points).
-std::string settling_text(const Plan& plan, const schematic::OpAmpModel& opamp);
+ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions);
 
 /// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and 300 drawn boards.
 PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,

@@ -108,6 +108,7 @@ struct Plan {
   PlanError error_with_delays;     ///< the board as its switches make it
   std::optional<PlanTotal> total;  ///< what 95 % of boards keep
   MismatchModel mismatch;          ///< assumed of the boards that `total` speaks of; who draws others says so
+  SlowParts slow;                  ///< assumed of every CAM, in every figure as it runs
   /// By rising input, where the plan misses .5 % designed, 1.5 % for 95 % of boards, or an input of 1 V (two thirds of what
   /// the largest gain allows, where that is less); empty: it has all three.
   std::vector<TradeOff> trade_off;
@@ -142,7 +143,7 @@ struct PlanOptions {
   };
   std::string board = "an231k04-quad4";
   Topology topology = Topology::automatic;
-  BoardAssumptions assumptions;  ///< mismatch and noise: what is not publicly known
+  BoardAssumptions assumptions;  ///< mismatch, noise, op-amps: what is not publicly known
   std::optional<Hertz> clock;    ///< one clock for all, and the vendor's CAMs alone; absent: searched
   /// No clock below this (none below 31.4 kHz needs no system divisor): slow poles by two ratios.
   std::optional<Hertz> lowest_clock;

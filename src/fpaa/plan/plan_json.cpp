@@ -265,6 +265,7 @@ Json Plan::to_json() const {
   out["error_with_delays"] = error_with_delays.to_json();
   if (total) out["total"] = total_json(*total);
   out["mismatch"] = mismatch.to_json();
+  if (!slow.is_at_once()) out["slow"] = slow.to_json();
   if (!trade_off.empty()) out["trade_off"] = trade_off_json(trade_off);
   out["largest_input_v"] = max_input_v;
   out["largest_step_v"] = max_step_v;
@@ -291,6 +292,7 @@ Plan Plan::from_node(const Node& node) {
   if (node.has("error_with_delays")) out.error_with_delays = error_from(node.at("error_with_delays"));
   if (node.has("total")) out.total = total_from(node.at("total"));
   if (node.has("mismatch")) out.mismatch = MismatchModel::from_node(node.at("mismatch"), {});
+  if (node.has("slow")) out.slow = SlowParts::from_node(node.at("slow"));
   out.trade_off = trade_off_from(node);
   out.max_input_v = node.number_or("largest_input_v", 0.0);
   out.max_step_v = node.number_or("largest_step_v", 0.0);

@@ -7,7 +7,7 @@
 
 namespace bodesmith::fpaa {
 SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
-    : graph_(value_or_throw(plan_graph(plan))), networks_(graph_.tick_rate) {
+    : graph_(value_or_throw(plan_graph(plan))), slow_(plan.slow), networks_(graph_.tick_rate) {
   if (graph_.looped) {
     throw DesignError("the plan's wires loop, which has no response of this kind: simulate it instead");
   }
@@ -20,7 +20,7 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
     }
     const StageSwitches stage = switches_of(*node.cam, node.name);
     inputs.push_back(static_cast<std::size_t>(stage.inputs()));
-    counted_.emplace_back(circuit_of(stage));
+    counted_.emplace_back(circuit_of(stage, plan.slow));
   }
   network_of_.assign(graph_.nodes.size(), 0);
   for (const std::size_t n : graph_.order) {
@@ -47,7 +47,7 @@ ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> uni
   for (const StageCapacitor& c : stage.capacitors) {
     if (c.units > 0.0 && at++ < network.capacitors.size()) network.capacitors[at - 1].size = c.units;
   }
-  if (at != network.capacitors.size()) network = circuit_of(stage);
+  if (at != network.capacitors.size()) network = circuit_of(stage, slow_);
   return ClockedNetwork(network, {graph_.nodes[n].period}, with_noise);
 }
 

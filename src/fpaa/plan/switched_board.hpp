@@ -50,6 +50,7 @@ class SwitchedBoard {
   ClockedNetwork clocked(std::size_t node, std::span<const double> units, bool with_noise) const;
 
   PlanGraph graph_;
+  SlowParts slow_;
   std::vector<std::size_t> first_capacitor_;  ///< of each node
   std::vector<double> units_, drawn_;
   std::vector<std::string> names_;

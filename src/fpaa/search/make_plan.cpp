@@ -72,8 +72,11 @@ std::vector<std::string> assumptions_of(const Plan& plan) {
       "The master clock of all chips is the same, and crossing from chip to chip adds no sampling delay (it "
       "adds up to one clock period when the chips' clocks are not aligned).");
   out.emplace_back(
-      "Gain-bandwidth, slew rate, offset, noise and the unit capacitance of the chip are not publicly known "
-      "and are in none of these figures.");
+      plan.slow.is_at_once()
+          ? "Gain-bandwidth, slew rate, offset, noise and the unit capacitance of the chip are not publicly known and are in "
+            "none of these figures."
+          : "Slew rate, offset, noise and the unit capacitance of the chip are not publicly known and are in none of these "
+            "figures; how late its op-amps and switches follow is an assumption that is.");
   return out;
 }
 
@@ -311,6 +314,7 @@ void state_trade_off(Plan& plan, const Board& board, const SharpRoot& root) {
 }  // namespace
 
 void state_figures(Plan& plan, const Sections& sections, Band band, const BoardAssumptions& assumptions) {
+  plan.slow = assumptions.slow;
   const SwitchedBoard board(plan);
   plan.error = stated_error(plan, board, sections, band, false);
   plan.error_with_delays = stated_error(plan, board, sections, band, true);

@@ -11,6 +11,7 @@
 
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "fpaa/search/chain.hpp"
 #include "fpaa/search/design.hpp"
 #include "fpaa/search/whole_capacitors.hpp"
@@ -446,6 +447,23 @@ class ChainSearch {
     return {designs, choices, options_.assumptions.mismatch};
   }
 
+  /// The fine grid, and what is wanted there of parts that follow at once, so that those of the board, which may be late, make of this
+  /// design what is wanted.
+  DesignTarget seen_closely(const Design& design) const {
+    DesignTarget out = with_clocks_seen(fine_, design, sections_);
+    if (options_.assumptions.slow.is_at_once()) return out;
+    const Outcome<Plan> plan = plan_of_design(with_full_banks(design, board_.max_capacitor), board_);
+    if (refusal_of(plan) != nullptr) return out;
+    Plan late = std::get<Plan>(plan);
+    late.slow = options_.assumptions.slow;
+    const SwitchedBoard at_once(std::get<Plan>(plan)), as_it_runs(late);
+    for (std::size_t k = 0; k < out.grid.size(); ++k) {
+      const Complex by = as_it_runs.gain(out.grid[k]) / at_once.gain(out.grid[k]);
+      if (std::isfinite(std::abs(by))) out.wanted[k] /= by;
+    }
+    return out;
+  }
+
   void judge_whole(Candidate& c, const StageFactorTable& table) const {
     c.score = score_of(*c.design, table, options_.assumptions, board_.full_scale_v, Spread::by_drawn_boards);
     c.missing = c.score.missing(board_.full_scale_v);
@@ -453,7 +471,7 @@ class ChainSearch {
 
   /// Whole capacitors; the candidate's design stays as it was where there are none.
   bool made_whole(Candidate& c, RoundingWidth width, int pairs) const {
-    const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
+    const DesignTarget seen = seen_closely(*c.design);
     const StageFactorTable table(seen);
     c.exact = *c.design;
     fit_design(c.exact, table, 25, 3);
@@ -473,7 +491,7 @@ class ChainSearch {
   bool refine(Candidate& c) const {
     Candidate again = c;
     again.design = c.exact;
-    const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
+    const DesignTarget seen = seen_closely(*c.design);
     const StageFactorTable table(seen);
     polish_pairs(*c.design, table, options_.assumptions.mismatch, kPairs);
     judge_whole(c, table);

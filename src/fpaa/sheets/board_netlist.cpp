@@ -107,7 +107,10 @@ std::string board_netlist(const Plan& plan, const NetlistParts& parts, const std
   }
   schematic::Subcircuit board{"board", {"in", "out"}, {}, {}};
   if (!graph.output.node) board.netlist.expressions = {{"Bout", "out", "V(in)"}};
-  return switched_library(std::move(board), "The plan", stages, parts, title);
+  NetlistParts own = parts;
+  if (!plan.slow.opamp.is_ideal) own.opamp = plan.slow.opamp;
+  if (plan.slow.switch_s > 0.0) own.switch_on_ohm = plan.slow.switch_s / parts.unit_capacitance_f;
+  return switched_library(std::move(board), "The plan", stages, own, title);
 }
 
 std::string board_deck_options() {

@@ -4,22 +4,23 @@
 #include <vector>
 
 #include "fpaa/device/mismatch.hpp"
-#include "fpaa/network/settling.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "schematic/writers/spice_library.hpp"
 
 namespace bodesmith::fpaa {
 
-/// What a switched-capacitor netlist needs besides the plan. None of it is publicly known for this chip.
+/// What a switched-capacitor netlist needs; op-amps and switches that a plan knows are that plan's. None of it is publicly known for
+/// this chip.
 struct NetlistParts {
   double unit_capacitance_f = NoiseModel().unit_capacitance_f;
-  double switch_on_ohm = 1e3;
+  /// Op-amps and switches as quick as those that follow at once in the plan's figures (a thousandth of a point, at 20 kHz).
+  double switch_on_ohm = 20.0;
   double switch_off_ohm = 1e15;
   /// Stray capacitance to ground, in units, of every inverting input and of every plate behind switches. The
   /// stages are insensitive to it; without any, an inverting input whose capacitors are all open between the
   /// phases has no voltage, and a simulator's matrix no solution.
   double stray_units = 1e-3;
-  schematic::OpAmpModel opamp = default_opamp();
+  schematic::OpAmpModel opamp = schematic::OpAmpModel::one_pole(Hertz{1e9}, 1e7);
   /// Both phases of a clock end this share of a period before the other begins. It is as if they sampled so much
   /// earlier, which is an error of pi f/fc of it: a chip's are nanoseconds.
   double gap = 0.0005;

@@ -143,8 +143,8 @@ void board_chapter(report::Page& page, const Run& run) {
                                 rounded_text(plan->total->p95_percent, 3))
                   : "",
       engineering_text(plan->max_input_v, "V")));
-  if (const std::string left_out = settling_text(*plan, fpaa::default_opamp()); !left_out.empty())
-    page.paragraph("As the board runs, " + left_out);
+  if (const std::string late = late_text(*plan, late_figure(*plan, run.design.sections())); !late.empty())
+    page.paragraph("As the board runs, " + late);
   page.figure(fpaa::board_picture_svg(*plan), "Chips, configurable blocks, wires and what is used of them.");
   page.table(cams_table(*plan),
              "As entered in the designer; the full build sheet is in the folder of the plan.");

@@ -39,10 +39,19 @@ constexpr double kSamplesAPeriod = 8192.0;  ///< of the reference, as the closed
 constexpr const char* kSteps = ".options maxord=1 trtol=10000 bypass=1\n";
 constexpr double kOfLargestInput = 0.5;  ///< of the board: a drive may go beyond the stroke
 
+/// Op-amps and switches as such chips may have them: as late as a drive can be told of, and no quicker for ngspice.
+fpaa::NetlistParts parts_in_time() {
+  const fpaa::SlowParts typical = fpaa::SlowParts::typical();
+  fpaa::NetlistParts out;
+  out.opamp = typical.opamp;
+  out.switch_on_ohm = typical.switch_s / out.unit_capacitance_f;
+  return out;
+}
+
 /// The netlist with its contacts as ngspice's own elements, which take half the time of the form that other simulators read
 /// as well; the drive stays within 1e-6 of the stroke (rms).
 std::string with_own_contacts(std::string netlist) {
-  const fpaa::NetlistParts parts;
+  const fpaa::NetlistParts parts = parts_in_time();
   const std::size_t from = netlist.find("Gs a o VALUE=");
   if (from == std::string::npos) return netlist;  // no CAMs
   return netlist.replace(from, netlist.find('\n', from) - from,
@@ -55,7 +64,7 @@ std::string with_own_contacts(std::string netlist) {
 /// corners where a pulse would end (before the next begins, so that what turns at the edge is read as it was) and so much behind that
 /// as an op-amp settles in: the drive stays within 4e-6 of the stroke (rms), in .45 of the time.
 std::string with_phases_of_time(const std::string& netlist) {
-  const fpaa::NetlistParts parts;
+  const fpaa::NetlistParts parts = parts_in_time();
   const double early = 0.6 * parts.gap;
   std::string out;
   for (const std::string_view line : split(netlist, '\n')) {
@@ -93,7 +102,7 @@ class BoardTracker {
         form_(form),
         graph_(value_or_throw(fpaa::plan_graph(*design.plan))),
         board_(fpaa::board_by_name(design.plan->board)),
-        netlist_(with_own_contacts(fpaa::board_netlist(*design.plan, {}, "board"))),
+        netlist_(with_own_contacts(fpaa::board_netlist(*design.plan, parts_in_time(), "board"))),
         generator_(tracking_plant(project).generated().at(project.track.amplitude())) {
     double decay = INFINITY;
     for (const Section& section : design.sections().sections) {

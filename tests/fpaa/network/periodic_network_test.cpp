@@ -36,20 +36,21 @@ ClockedNetwork clocked(const StageSwitches& stage, std::int64_t period, bool wit
 
 /// Stages one behind the other, each at its clock.
 PeriodicNetworks chain(const std::vector<StageSwitches>& stages, const std::vector<std::int64_t>& periods,
-                       bool with_noise = false) {
+                       bool with_noise = false, const SlowParts& slow = {}) {
   PeriodicNetworks out(kTicks);
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const NetworkSource from = i == 0 ? NetworkSource{NetworkSource::Kind::board_input, 0}
                                       : NetworkSource{NetworkSource::Kind::network, i - 1};
-    out.set_output(out.add(clocked(stages[i], periods[i], with_noise), {from}));
+    out.set_output(out.add(ClockedNetwork(circuit_of(stages[i], slow), {periods[i]}, with_noise), {from}));
   }
   return out;
 }
 
 /// The same stages as one network of many clocks: no stage knows that it is one.
 PeriodicNetworks joined(const std::vector<StageSwitches>& stages, const std::vector<std::int64_t>& periods,
-                        bool with_noise = false) {
-  SwitchedCircuit whole{{}, {"in1"}, "in1", {}};
+                        bool with_noise = false, const SlowParts& slow = {}) {
+  SwitchedCircuit whole{{}, {"in1"}, "in1", {}, slow.switch_s};
+  whole.netlist.opamp = slow.opamp;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     SwitchedCircuit part = circuit_of(stages[i]);
     const std::string number = std::to_string(i), from = whole.output;
@@ -148,6 +149,30 @@ TEST(PeriodicNetworks, StagesOfSeveralClocksAreTheWholeNetwork) {
       for (std::size_t n = 0; n < pieces.size(); ++n)
         EXPECT_NEAR(followed[n][0].largest, pieces[n][0].largest,
                     1e-11 * std::max(1.0, pieces[n][0].largest));
+    }
+  }
+}
+
+/// How late stages are adds up in one network, and from stage to stage but for the second order: a tenth of the time constants leaves
+/// a hundredth of the difference.
+TEST(PeriodicNetworks, LateStagesAreTheWholeLateNetworkToTheFirstOrder) {
+  Random random(13);
+  const std::vector<std::vector<std::int64_t>> clocks = {{20, 20, 20},  {20, 60, 20},  {60, 20, 12},
+                                                         {28, 20, 28},  {200, 20, 40}, {20, 80, 80},
+                                                         {20, 80, 320}, {20, 240, 100}};
+  for (const auto& periods : clocks) {
+    const auto stages = drawn_stages(random, 3);
+    for (const double hz : {10.0, 5e3, 90e3}) {
+      const RadPerSecond w = Hertz{hz}.rad_s();
+      const auto apart = [&](double late_s) {
+        const SlowParts slow{schematic::OpAmpModel::one_pole(RadPerSecond{1.0 / late_s}.hz(), 1e9),
+                             0.01 * late_s};
+        return std::abs(chain(stages, periods, false, slow).gain(w) -
+                        joined(stages, periods, false, slow).gain(w));
+      };
+      const double late_s = 1e-4 / w.value;
+      EXPECT_LT(apart(0.1 * late_s), apart(late_s) / 50.0 + 1e-11)
+          << periods[0] << " " << periods[1] << " " << hz;
     }
   }
 }

@@ -266,8 +266,7 @@ int plan_board(const std::vector<std::string>& arguments) {
   const std::optional<StreamArtefacts> stream = make_streams(plan, line);
   const double seconds = watch.seconds();
 
-  const fpaa::ErrorBudget budget =
-      fpaa::error_budget(plan, sections, options.assumptions);
+  const fpaa::ErrorBudget budget = fpaa::error_budget(plan, sections, options.assumptions);
   Json json = plan.to_json();
   json["budget"] = budget.to_json();
   json = timed_document("fpaa_plan", from, json, seconds);

@@ -3,6 +3,7 @@
 
 #include "base/files.hpp"
 #include "cli/dialect.hpp"
+#include "temporary_folder.hpp"
 
 namespace bodesmith {
 namespace {

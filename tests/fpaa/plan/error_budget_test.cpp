@@ -1,6 +1,7 @@
 #include "fpaa/plan/error_budget.hpp"
 #include "base/documents/json.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

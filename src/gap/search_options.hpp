@@ -20,7 +20,7 @@ struct StretchOptions {
 /// Rounds of candidates [4, 5].
 struct RoundOptions {
   std::size_t effects = 9;  ///< fitted in each round
-  std::size_t places = 6;   ///< and forms of each
+  std::size_t places = 3;   ///< and forms of each
   std::size_t pairs =
       20;  ///< fitted, of what each effect promises alongside each of as many first names as a round fits
   std::size_t followed =

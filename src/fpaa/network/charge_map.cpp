@@ -196,9 +196,9 @@ class MapMaker {
           if (out_.charge_of[static_cast<std::size_t>(other)] == charge)
             a.row(node) += capacitance_.row(other);
         }
-      } else if (a(node, node) == 0.0) {
+      } else if (a(node, node) == 0.0 || (charge < 0 && hold_of(static_cast<int>(node)).is_free())) {
+        replace(node);  // a voltage that does not matter
         a(node, node) = 1.0;
-        given.row(node).setZero();
       }
     }
     const auto hold = [&](Index node) {

@@ -80,8 +80,7 @@ struct ChargeMap {
     Eigen::MatrixXd volts, nodes;  ///< outputs of all op-amps, and charges of the plates at each node, from x
     Eigen::MatrixXd settling_s;    ///< -1/A
     double slowest_s = 0.0;        ///< longest time constant
-    Eigen::MatrixXd
-        covariance;  ///< of x, in kT over the unit of capacitance; with the noise of the switches alone
+    Eigen::MatrixXd covariance;    ///< of x, in kT over the unit of capacitance
   };
   OpAmpNoise opamps;
 

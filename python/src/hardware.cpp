@@ -35,11 +35,10 @@ fpaa::PlanOptions plan_options(const Node& o) {
   out.assumptions.mismatch = fpaa::MismatchModel::from_node(o, {});
   out.assumptions.noise.unit_capacitance_f =
       positive_or(o, "unit_capacitance_f", out.assumptions.noise.unit_capacitance_f);
-  if (const auto hz = maybe_positive(o, "opamp_bandwidth_hz"))
-    out.assumptions.slow.opamp = schematic::OpAmpModel::one_pole(
-        {*hz}, positive_or(o, "opamp_gain", fpaa::SlowParts::typical().opamp.dc_gain));
-  out.assumptions.slow.switch_s =
-      maybe_positive(o, "switch_ohm").value_or(0.0) * out.assumptions.noise.unit_capacitance_f;
+  out.assumptions.slow =
+      fpaa::SlowParts::given(maybe_positive(o, "opamp_bandwidth_hz"),
+                             positive_or(o, "opamp_gain", fpaa::SlowParts::typical().opamp.dc_gain),
+                             maybe_positive(o, "switch_ohm"), out.assumptions.noise.unit_capacitance_f);
   out.assumptions.seed = seed_of(o);
   return out;
 }

@@ -179,13 +179,8 @@ void add_slow_options(CommandLine& line) {
 }
 
 fpaa::SlowParts read_slow_parts(const CommandLine& line) {
-  fpaa::SlowParts out;
-  const double gain = line.positive("opamp-gain");
-  if (const auto bandwidth = line.maybe_positive("opamp-bandwidth-hz"))
-    out.opamp = schematic::OpAmpModel::one_pole({*bandwidth}, gain);
-  if (const auto ohm = line.maybe_positive("switch-ohm"))
-    out.switch_s = *ohm * read_noise_model(line).unit_capacitance_f;
-  return out;
+  return fpaa::SlowParts::given(line.maybe_positive("opamp-bandwidth-hz"), line.positive("opamp-gain"),
+                                line.maybe_positive("switch-ohm"), read_noise_model(line).unit_capacitance_f);
 }
 
 void add_noise_options(CommandLine& line) {

@@ -57,8 +57,16 @@ Json NoiseModel::to_json() const {
   return {{"unit_capacitance_f", unit_capacitance_f}, {"temperature_k", temperature_k}};
 }
 
+SlowParts SlowParts::given(std::optional<double> bandwidth_hz, double opamp_gain,
+                           std::optional<double> switch_ohm, double unit_capacitance_f) {
+  SlowParts out;
+  if (bandwidth_hz) out.opamp = schematic::OpAmpModel::one_pole({*bandwidth_hz}, opamp_gain);
+  if (switch_ohm) out.switch_s = *switch_ohm * unit_capacitance_f;
+  return out;
+}
+
 SlowParts SlowParts::typical(double unit_capacitance_f) {
-  return {schematic::OpAmpModel::one_pole(Hertz{20e6}, 1e5), 1e3 * unit_capacitance_f};
+  return given(20e6, 1e5, 1e3, unit_capacitance_f);
 }
 
 Json SlowParts::to_json() const {

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <optional>
 
 #include "base/documents/document.hpp"
 #include "base/documents/json_fwd.hpp"
@@ -62,6 +63,9 @@ struct SlowParts {
   schematic::OpAmpModel opamp = schematic::OpAmpModel::ideal();
   double switch_s = 0.0;  ///< resistance of a closed switch times the unit of capacitance
 
+  /// What is given of them.
+  static SlowParts given(std::optional<double> bandwidth_hz, double opamp_gain,
+                         std::optional<double> switch_ohm, double unit_capacitance_f);
   bool is_at_once() const { return opamp.is_ideal && switch_s == 0.0; }
   /// What such chips may have: op-amps of 20 MHz, switches of 1 kohm.
   static SlowParts typical(double unit_capacitance_f = NoiseModel().unit_capacitance_f);

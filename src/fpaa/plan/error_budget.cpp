@@ -161,12 +161,13 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
 }
 
 LateFigure late_figure(const Plan& plan, const Sections& sections) {
+  LateFigure out{plan.slow, plan.error_with_delays.max_complex_percent, plan.error_with_delays.worst};
+  if (plan.slow.opamp.is_ideal) out.parts.opamp = SlowParts::typical().opamp;
+  if (!plan.slow.is_at_once()) return out;
+  out = {SlowParts::typical()};
   Plan late = plan;
-  const SlowParts typical = SlowParts::typical();
-  if (plan.slow.opamp.is_ideal) late.slow.opamp = typical.opamp;
-  if (plan.slow.is_at_once()) late.slow.switch_s = typical.switch_s;
+  late.slow = out.parts;
   const SwitchedBoard board(late);
-  LateFigure out{late.slow};
   for (const Hertz f : log_grid(plan.error.band, affordable(kPoints, board.pieces()))) {
     const RadPerSecond w = f.rad_s();
     const double percent =

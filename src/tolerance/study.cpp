@@ -47,6 +47,7 @@ void validate(const Design& design, const Options& options) {
   if (!(s.sigmas > 0.0)) throw InputError("the tolerance in standard deviations must be above 0");
   if (!(s.temperature_low_c <= s.temperature_high_c))
     throw InputError("the lowest temperature is above the highest");
+  if (!(s.temperature_low_c > -273.15)) throw InputError("the lowest temperature is below absolute zero");
   for (const Hertz f : options.grid) {
     if (!(std::abs(design.wanted(f)) > 0.0)) {
       throw InputError(fmt::format("{}: the response is 0 at {} Hz, expected a frequency where it is not",

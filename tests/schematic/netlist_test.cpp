@@ -320,6 +320,25 @@ TEST(RestPoint, ContactsOfAnotherResistanceAreSolvedAnew) {
   EXPECT_NEAR(other.volts("d"), 1.0 / 1.2, 1e-6);
 }
 
+/// Which of them conduct is kept in 64 bits.
+TEST(RestPoint, MoreDiodesAtOneNodeThanItCountsAreRefused) {
+  Netlist n;
+  n.parts = {ohms("R1", "in", "a", 1e3)};
+  std::vector<std::string> nodes;
+  for (int k = 0; k < 65; ++k) nodes.push_back("n" + std::to_string(k));
+  for (const std::string& node : nodes) {
+    n.parts.push_back(ohms("R2", "a", node.c_str(), 65e3));
+    n.parts.push_back(diode("D1", node.c_str(), "0"));
+  }
+  EXPECT_THROW(RestOrder(n, {"in"}), DesignError);
+  n.parts.pop_back();
+  const RestOrder order(n, {"in"});
+  RestPoint rest(order, Deviations::none(n));
+  rest.set(order.node("in"), 1.0);
+  rest.settle(0);
+  EXPECT_NEAR(rest.volts("a"), 65.0 / (64.0 + 65.0), 1e-12);
+}
+
 TEST(RestPoint, DiodesConductOneWayAndContactsWhereTheyStand) {
   Netlist n;
   n.parts = {ohms("R1", "in", "a", 1e3), diode("D1", "a", "b"), ohms("R2", "b", "0", 3e3)};

@@ -76,8 +76,10 @@ ApproximationOptions read_approximation_options(const CommandLine& line) {
   if (line.has("order")) options.order = line.integer("order", 1, 40);
   if (options.order && options.max_error_db) line.fail("--order and --max-error-db cannot be combined");
   options.max_order = line.integer("max-order", 1, 40);
-  options.over_band = line.has("over-band");
-  options.real_roots = !line.has("complex");
+  if (options.method == "minimax") {
+    options.over_band = line.has("over-band");
+    options.real_roots = !line.has("complex");
+  }
   return options;
 }
 

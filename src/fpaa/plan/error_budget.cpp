@@ -105,7 +105,8 @@ void add_settling(const Plan& plan, ErrorBudget& out) {
   for (std::size_t n = 0; n < cams.size(); ++n) {
     const auto stage = cams[n]->cam->switches(*cams[n]);
     if (!stage) continue;
-    out.cams[n].settling_percent = 100.0 * unsettled_share(*stage, out.late.parts.opamp, cams[n]->clock_a);
+    const Unsettled left = unsettled(*stage, out.late.parts, cams[n]->clock_a);
+    out.cams[n].settling_percent = 100.0 * (left.moving + left.by_gain);
     out.settling_percent += out.cams[n].settling_percent;
   }
 }
@@ -177,8 +178,25 @@ LateFigure late_figure(const Plan& plan, const Sections& sections) {
   return out;
 }
 
+std::string unsettled_text(const Plan& plan) {
+  constexpr double kLeast = 2e-4;  // of what ngspice and the figures agree to
+  double most = kLeast;
+  const PlacedCam* worst = nullptr;
+  for (const PlacedCam* cam : plan.cams()) {
+    const auto stage = cam->cam->switches(*cam);
+    const double left = stage ? unsettled(*stage, plan.slow, cam->clock_a).moving : 0.0;
+    if (left > most) most = left, worst = cam;
+  }
+  if (worst == nullptr) return "";
+  return fmt::format(
+      "With the given op-amps and switches {} (clock {}) is still {} % of a step away from its end when a phase is over. The figures "
+      "take it as settled: they hold for faster parts or slower clocks.",
+      worst->name, engineering_text(worst->clock_a.value, "Hz", 4), rounded_text(100.0 * most, 3));
+}
+
 std::string late_text(const Plan& plan, const LateFigure& late) {
   const double stated = plan.error_with_delays.max_complex_percent;
+  if (const std::string unsettled = unsettled_text(plan); !unsettled.empty()) return unsettled + "\n";
   if (!plan.slow.is_at_once() || late.percent - stated < std::max(0.02, 0.02 * stated)) return "";
   return fmt::format(
       "op-amps of {} and switches of 1 kohm (not published, not in it) would make it {} % at {}\n",

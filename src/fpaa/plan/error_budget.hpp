@@ -20,8 +20,11 @@ struct LateFigure {
 };
 LateFigure late_figure(const Plan& plan, const Sections& sections);
 /// A line on it where the plan knows none and it is more than ngspice on the board's netlist may differ from the stated error
-/// (2 % of it, .02 points); empty elsewhere.
+/// (2 % of it, .02 points); where it knows them, unsettled_text(). Empty elsewhere.
 std::string late_text(const Plan& plan, const LateFigure& late);
+/// A sentence on the CAM that settles least where the parts that the plan knows leave more than .02 % of a step when a phase is over:
+/// the figures take each phase as settled. Empty elsewhere.
+std::string unsettled_text(const Plan& plan);
 
 /// What departs from a plan as its switches make it, each cause by itself, over the plan's band.
 struct ErrorBudget {

@@ -372,7 +372,10 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
     state_figures(found[i].plan, sections, band, options.assumptions);
   Plan plan = best_of(std::move(found), board);
   const SwitchedBoard switched(plan);
+  const std::string unsettled = unsettled_text(plan);
   if (!given && is_hopeless(switched, sections, band)) {
+    // No band and no number of chips mends that.
+    if (!unsettled.empty()) return Refusal{"the best board does not settle. " + unsettled};
     const std::optional<Band> usable = usable_band(switched, sections, band);
     const PlanError& error = plan.error_with_delays;
     return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
@@ -380,6 +383,7 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
                                plan.topology, plan.opamps(),
                                least_change(sections, options, band, board, usable))};
   }
+  add_new(plan.notes, unsettled);
   state_trade_off(plan, board, costliest_root(plan, sections, band, options.assumptions.mismatch));
   return plan;
 }

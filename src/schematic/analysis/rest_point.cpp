@@ -1,10 +1,13 @@
 #include "schematic/analysis/rest_point.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <set>
 #include <stdexcept>
 
+#include "base/error.hpp"
 #include "numeric/linear_algebra/dense.hpp"
 #include "schematic/analysis/sets.hpp"
 
@@ -161,6 +164,12 @@ void RestOrder::make_blocks(const std::function<Block&(int)>& block_at, std::siz
     };
     for (const int i : block.resistors)
       block.resistor_ends.push_back(ends(netlist_.part(i).from, netlist_.part(i).to));
+    constexpr std::size_t kMostDiodes = std::numeric_limits<std::uint64_t>::digits;  // a bit each
+    if (block.diodes.size() > kMostDiodes)
+      throw DesignError(fmt::format(
+          "{} diodes act on one another, expected {} at most (of a gain curve: fewer straight pieces, by a larger tolerance or "
+          "fewer frequencies in its table)",
+          block.diodes.size(), kMostDiodes));
     for (const int i : block.diodes)
       block.diode_ends.push_back(ends(netlist_.part(i).from, netlist_.part(i).to));
     for (const int i : block.contacts)

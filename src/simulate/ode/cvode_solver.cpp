@@ -69,6 +69,8 @@ struct CvodeSolver::Implementation {
   std::size_t steps = 0;
   std::size_t evaluations = 0;
   std::size_t restarts = 0;
+  long failures = 0;  ///< of steps tried
+  int lame = 0;       ///< steps one after another of the first order, each after a failure
 
   explicit Implementation(CvodeProblem wanted) : problem(std::move(wanted)) {}
 
@@ -151,6 +153,27 @@ struct CvodeSolver::Implementation {
     }
   }
 
+  void begin_at(double t) {
+    expect_success(CVodeReInit(memory.get(), t, x.get()), "CVodeReInit");
+    expect_success(CVodeSetStopTime(memory.get(), stop), "CVodeSetStopTime");
+    time = begin = t;
+    failures = lame = 0;
+  }
+
+  /// CVODE raises the order after two steps of which no trial failed. Where a ten times longer step always fails (what follows a
+  /// slope is off by the step's length times the curvature at the first order, and jumps with it) that never comes: it goes on
+  /// with every second trial in vain, at a step that only the first order needs. From a new beginning it gets past.
+  void watch_order() {
+    constexpr int kLame = 20;
+    int order = 0;
+    long failed = 0;
+    expect_success(CVodeGetLastOrder(memory.get(), &order), "CVodeGetLastOrder");
+    expect_success(CVodeGetNumErrTestFails(memory.get(), &failed), "CVodeGetNumErrTestFails");
+    lame = order > 1 ? 0 : lame + (failed > failures ? 1 : 0);
+    failures = failed;
+    if (lame == kLame) begin_at(time);
+  }
+
   void watch_events() {
     if (problem.events == 0) return;
     expect_success(CVodeRootInit(memory.get(), static_cast<int>(problem.events), event), "CVodeRootInit");
@@ -174,16 +197,15 @@ CvodeSolver& CvodeSolver::operator=(CvodeSolver&&) noexcept = default;
 void CvodeSolver::start(double t, const double* x, double stop) {
   auto& me = *implementation_;
   std::copy_n(x, me.problem.order, N_VGetArrayPointer(me.x.get()));
-  expect_success(CVodeReInit(me.memory.get(), t, me.x.get()), "CVodeReInit");
-  expect_success(CVodeSetStopTime(me.memory.get(), stop), "CVodeSetStopTime");
-  if (me.max_step > 0.0) expect_success(CVodeSetMaxStep(me.memory.get(), me.max_step), "CVodeSetMaxStep");
-  me.time = me.begin = t;
   me.stop = stop;
+  me.begin_at(t);
+  if (me.max_step > 0.0) expect_success(CVodeSetMaxStep(me.memory.get(), me.max_step), "CVodeSetMaxStep");
   ++me.restarts;
 }
 
 CvodeSolver::Outcome CvodeSolver::step() {
   auto& me = *implementation_;
+  if (me.steps > 0) me.watch_order();
   me.begin = me.time;
   const int flag = CVode(me.memory.get(), me.stop, me.x.get(), &me.time, CV_ONE_STEP);
   expect_success(flag, "a step");

@@ -121,6 +121,13 @@ TEST_F(HardInputs, AbsurdNumbersAreAnswered) {
   EXPECT_THAT(refusal("yield " + at("a.json") + " --threads -1"), HasSubstr("--threads"));
   EXPECT_THAT(refusal("yield " + at("a.json") + " --samples -1"),
               HasSubstr("--samples is -1, expected a whole number not below 0"));
+  EXPECT_THAT(refusal("yield " + at("a.json") + " --temperature-low-c -274"), HasSubstr("absolute zero"));
+  EXPECT_THAT(refusal("approximate " BODESMITH_SOURCE_DIR
+                      "/examples/papers/printed_cascade.json --method pade --over-band -o " +
+                      at("s.json")),
+              HasSubstr("--over-band does nothing with what is asked for here"));
+  EXPECT_THAT(refusal("fpaa " + at("a.json") + " --switch-ohm 1e12 -o " + at("board")),
+              HasSubstr("does not settle"));
   write("loop.json", R"({"schema": "bodesmith.disturbance/1",
  "ascending": [0.3, -0.3, 1e308], "descending": [0.2, -0.2, 0]})");
   EXPECT_THAT(refusal("controller " + at("loop.json") + " -o " + at("c")),

@@ -10,28 +10,43 @@
 namespace bodesmith::fpaa {
 namespace {
 
-/// exp(-pi beta GBW/fc) + 1/(beta A).
-double left_over(double beta, const schematic::OpAmpModel& opamp, double clock) {
-  return std::exp(-std::numbers::pi * beta * opamp.gain_bandwidth.value / clock) +
-         1.0 / (beta * opamp.dc_gain);
+constexpr double kBandwidthHz = 2e6, kGain = 1e4, kClockHz = 4e5;
+
+/// exp(-pi beta GBW/fc), 1/(beta A).
+void expect_left(const StageSwitches& stage, double beta) {
+  const Unsettled left =
+      unsettled(stage, {schematic::OpAmpModel::one_pole(Hertz{kBandwidthHz}, kGain)}, Hertz{kClockHz});
+  EXPECT_NEAR(left.moving, std::exp(-std::numbers::pi * beta * kBandwidthHz / kClockHz), 1e-15);
+  EXPECT_NEAR(left.by_gain, 1.0 / (beta * kGain), 1e-15);
 }
 
 TEST(Settling, IsTheFeedbacksShareOfWhatHangsAtTheInput) {
-  const auto opamp = schematic::OpAmpModel::one_pole(Hertz{2e6}, 1e4);
   StageSwitches stage;
   stage.capacitors = {static_branch("Cin", 30.0, PlateNode::input()),
                       static_branch("Cout", 50.0, PlateNode::opamp())};
-  EXPECT_NEAR(unsettled_share(stage, opamp, Hertz{4e5}), left_over(50.0 / 80.0, opamp, 4e5), 1e-15);
+  expect_left(stage, 50.0 / 80.0);
   // Capacitors that come in phase 1 alone make that phase the slower one; as a second way back they make it the quicker one.
   stage.capacitors.push_back(switched_branch("C2", 20.0, PlateNode::input()));
-  EXPECT_NEAR(unsettled_share(stage, opamp, Hertz{4e5}), left_over(50.0 / 100.0, opamp, 4e5), 1e-15);
+  expect_left(stage, 50.0 / 100.0);
   stage.capacitors.back() = switched_branch("C2", 20.0, PlateNode::opamp());
-  EXPECT_NEAR(unsettled_share(stage, opamp, Hertz{4e5}), left_over(50.0 / 80.0, opamp, 4e5), 1e-15);
+  expect_left(stage, 50.0 / 80.0);
   // The worst of two op-amps: the second reads the first and has less of its own.
   stage.opamps.resize(2);
   stage.capacitors.push_back(static_branch("Cn", 70.0, PlateNode::opamp(1), 2));
   stage.capacitors.push_back(static_branch("Cf", 10.0, PlateNode::opamp(2), 2));
-  EXPECT_NEAR(unsettled_share(stage, opamp, Hertz{4e5}), left_over(10.0 / 80.0, opamp, 4e5), 1e-15);
+  expect_left(stage, 10.0 / 80.0);
+}
+
+TEST(Settling, SwitchesChargeTheLargestCapacitorThroughTwoOfThem) {
+  StageSwitches stage;
+  stage.capacitors = {switched_branch("C2", 20.0, PlateNode::input()),
+                      static_branch("Cout", 50.0, PlateNode::opamp())};
+  SlowParts parts;
+  EXPECT_EQ(unsettled(stage, parts, Hertz{kClockHz}).moving, 0.0) << "they follow at once";
+  parts.switch_s = 1e-9;
+  EXPECT_NEAR(unsettled(stage, parts, Hertz{kClockHz}).moving, std::exp(-0.5 / (kClockHz * 2e-9 * 50.0)),
+              1e-15);
+  EXPECT_EQ(unsettled(stage, parts, Hertz{kClockHz}).by_gain, 0.0);
 }
 
 /// The capacitors that bring noise are those that change plates and end at the op-amp's inverting input.

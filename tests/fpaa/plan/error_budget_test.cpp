@@ -35,7 +35,10 @@ TEST(ErrorBudget, PartsOfTheSeedsPlan) {
   EXPECT_GT(settling, 0.1);
   EXPECT_DOUBLE_EQ(slow.settling_percent, settling);
   // Of a plan that knows its parts the figure as it runs has them; of one that does not a line says what they would make.
-  EXPECT_EQ(late_text(late, slow.late), "");
+  EXPECT_EQ(late_text(late, slow.late), unsettled_text(late) + "\n");
+  EXPECT_EQ(unsettled_text(plan), "") << "it knows no parts";
+  late.slow = SlowParts::typical();
+  EXPECT_EQ(late_text(late, slow.late), "") << "they settle";
   EXPECT_EQ(late_text(plan, budget.late), "");
   EXPECT_EQ(
       late_text(plan, {SlowParts::typical(), 2.0, {50.0}}),

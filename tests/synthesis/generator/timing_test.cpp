@@ -66,6 +66,23 @@ TEST(SlopeDetector, DelaysAreFromTheReversalOfATriangleAndASine) {
   EXPECT_TRUE(make_timing(layout, {Hertz{0.5 * slow}}).analog_switch.late.empty());
 }
 
+// The solver's step is not held at that of its first order, whatever the reference's period.
+TEST(SlopeDetector, FollowsTheSlowestReferenceThatItIsMadeFor) {
+  double faster = 0.0;
+  for (const double lowest : {1.0, 0.5, 0.2, 0.15, 0.05, 0.01}) {
+    Options options;
+    options.lowest = Hertz{lowest};
+    const auto layout =
+        layout_of({{"up", {0.3546, -0.6433, 0.2887}, {}}, {"down", {-0.2398, 0.0838, 0.156}, {}}}, options);
+    const auto delay = make_timing(layout, {options.lowest}).detector.delays.at(0);
+    ASSERT_TRUE(delay.triangle_s && delay.sine_s) << lowest;
+    EXPECT_GT(*delay.triangle_s, faster) << lowest;
+    EXPECT_GT(*delay.sine_s, *delay.triangle_s) << lowest;
+    EXPECT_LT(*delay.triangle_s, 1e-4 / lowest);
+    faster = *delay.triangle_s;
+  }
+}
+
 // At frequencies where nothing else is late, the error is the wrong branch for as long as it stays on: of the period 2 f times
 // the delay, at either end, where the branches are |d_up - d_down| apart.
 TEST(SwitchFigures, TheErrorIsTheWrongBranchForTheDelay) {

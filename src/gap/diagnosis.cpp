@@ -40,11 +40,6 @@ const Ranked* runner_up_of(const Step& step) {
 
 namespace {
 
-/// The held-out records disagree when this much more is left of them than of the training records.
-constexpr double kDisagrees = 2.0;
-/// The same where nothing was found: slow noise alone may be so much larger in one record than in another.
-constexpr double kDisagreesWithNothing = 5.0;
-
 DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   DiagnosedStep s;
   s.effect = step.effect->told();
@@ -105,9 +100,8 @@ std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
 
 /// Whether the held-out records contradict what was found on the others.
 bool disagrees(const Diagnosis& d) {
-  const double most = d.steps.empty() ? kDisagreesWithNothing : kDisagrees;
   const bool worse = !d.steps.empty() && d.final.holdout_rms > d.refitted.holdout_rms;
-  return worse || d.final.holdout_rms > most * d.final.train_rms;
+  return worse || d.final.holdout_rms > SearchOptions().contradicts * d.final.train_rms;
 }
 
 /// What the names leave of the held-out records' gap: all of it where none was found and more is left, none where nothing is missing.

@@ -22,13 +22,17 @@ const chain::Parameter* find_parameter(const chain::Block& block, std::string_vi
   return found == all.end() ? nullptr : &*found;
 }
 
-void add_parameters(std::vector<Unknown>& unknowns, const chain::Block& block) {
+/// What the block's parameters tell of the unknowns: keys and units, and starts where there are none.
+void add_parameters(std::vector<Unknown>& unknowns, Starts& starts, const chain::Block& block) {
+  std::vector<double> start;
   for (auto& u : unknowns) {
     const auto* parameter = find_parameter(block, u.name);
+    start.push_back((parameter != nullptr ? parameter->value : 0.0) + 0.1 * u.scale);
     if (parameter == nullptr) continue;
     u.parameter = parameter->key();
     u.unit = parameter->unit();
   }
+  if (starts.empty()) starts.push_back(std::move(start));
 }
 
 }  // namespace
@@ -38,7 +42,7 @@ Proposal insert_block(const Scene& scene, std::size_t position, chain::Block blo
   Model model = *scene.model;
   Term term;
   term.placed = model.placed(position);
-  add_parameters(unknowns, block);
+  add_parameters(unknowns, starts, block);
   const int id = model.insert(position, std::move(block));
   term.blocks = {id};
   if (write) {
@@ -59,7 +63,7 @@ Proposal change_block(const Scene& scene, std::size_t position, std::vector<Unkn
   term.part = block.part;
   std::vector<std::pair<std::string, double>> before;
   for (const auto& u : unknowns) before.emplace_back(u.name, block.get(u.name));
-  add_parameters(unknowns, block);
+  add_parameters(unknowns, starts, block);
   term.write = setter(id, unknowns);
   term.undo = [id, before](Model& model) {
     for (const auto& [name, value] : before) model.block(id).set(name, value);

@@ -7,15 +7,11 @@
 
 #include "base/error.hpp"
 #include "gap/records/lines.hpp"
-#include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {
-
-/// Runs over fewer samples take less than some tenths of a millisecond.
-constexpr std::size_t kFewSamples = 1500;
 
 simulate::RecordOptions engine_options(const TimeExperiment& experiment) {
   simulate::RecordOptions o;
@@ -172,10 +168,6 @@ bool Runners::operator()(std::span<const double> values, std::vector<double>& ou
   const std::lock_guard lock(guard_);
   idle_.push_back(std::move(runner));
   return runnable;
-}
-
-int Runners::threads() const {
-  return scored_samples(experiments_) < kFewSamples ? 1 : allowed_threads();
 }
 
 std::vector<double> current_values(const Model& model) {

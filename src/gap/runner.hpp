@@ -45,9 +45,6 @@ class Runners {
   Runners(const Model& model, const Experiments& experiments);
 
   bool operator()(std::span<const double> values, std::vector<double>& out);
-  /// Threads that are worth having at once: as many as are allowed here, but one for runs that are over before a thread
-  /// has begun.
-  int threads() const;
 
  private:
   Runner take();

@@ -12,8 +12,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Frequencies of the residual that effects are told.
-constexpr std::size_t kPeaks = 6;
 /// Part of the input's power below low_hz, and above band_hz.
 constexpr double kOutside = 0.05;
 
@@ -37,7 +35,7 @@ std::vector<double> largest_peaks(const Periodogram& e) {
     for (std::size_t j = k - 2; j <= k + 2; ++j) smooth[k] += e.power[j];
   }
   std::vector<double> found;
-  while (found.size() < kPeaks) {
+  while (found.size() < kMostFound) {
     const auto at = std::max_element(smooth.begin(), smooth.end());
     if (!(*at > 0.0)) break;
     const auto k = static_cast<std::size_t>(at - smooth.begin());
@@ -125,7 +123,7 @@ std::vector<std::size_t> most_prominent(const std::vector<double>& v) {
   }
   std::sort(peaks.rbegin(), peaks.rend());
   std::vector<std::size_t> out;
-  for (std::size_t k = 0; k < std::min(kPeaks, peaks.size()); ++k) out.push_back(peaks[k].second);
+  for (std::size_t k = 0; k < std::min(kMostFound, peaks.size()); ++k) out.push_back(peaks[k].second);
   return out;
 }
 
@@ -202,15 +200,10 @@ bool Scene::is_added(std::size_t position) const {
 }
 
 std::vector<double> Scene::beyond_band_hz(double times, int count) const {
-  constexpr double kApart = 5.0;
-  constexpr double kHighest = 0.5;  // of top_hz
   const double from = times * band_hz;
   std::vector<double> beyond;
-  if (frequency_only) return beyond;
-  const int room = static_cast<int>(std::log(std::max(kHighest * top_hz / from, 1.0)) / std::log(kApart));
-  const int steps = std::min(count, room);
-  for (int k = 1; k <= steps; ++k)
-    beyond.push_back(from * std::pow(kHighest * top_hz / from, static_cast<double>(k) / steps));
+  if (frequency_only || from > top_hz) return beyond;
+  for (int k = 1; k <= count; ++k) beyond.push_back(from * std::pow(top_hz / from, k / (count + 1.0)));
   return beyond;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <complex>
 #include <cstddef>
 #include <functional>
@@ -11,6 +12,21 @@
 #include "gap/records/experiment.hpp"
 
 namespace bodesmith::gap {
+
+/// Of what a look at the residual finds (peaks, modes, lines, clocks) so many are gone on from, the best.
+constexpr std::size_t kMostFound = 6;
+
+/// The best of what was found, best first, that are not near a better one.
+template <class Found, class Near>
+std::vector<Found> best_apart(const std::vector<Found>& sorted, Near near, std::size_t most = kMostFound) {
+  std::vector<Found> kept;
+  for (const Found& one : sorted) {
+    if (kept.size() == most) break;
+    if (std::none_of(kept.begin(), kept.end(), [&](const Found& other) { return near(one, other); }))
+      kept.push_back(one);
+  }
+  return kept;
+}
 
 /// What is known about a signal at a boundary between two blocks.
 struct Signal {
@@ -57,8 +73,8 @@ struct Scene {
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).
   std::vector<std::size_t> base_places() const;
-  /// Frequencies that the sampling shows beyond `times` the driven band, a factor apart of 5 at the least: steps have their power
-  /// far below what their edges tell. None where the band comes near to top_hz.
+  /// Frequencies between `times` the driven band and the highest one that the sampling shows: steps have their power far below what
+  /// their edges tell. None where the band comes near to that.
   std::vector<double> beyond_band_hz(double times, int count) const;
   /// Long looks for start values end here, with what they have.
   bool is_late() const { return late && late(); }

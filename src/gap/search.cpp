@@ -16,9 +16,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Offsets that are free and given as 0, as a part of the output's range.
-constexpr double kTypicalOffset = 0.05;
-
 /// A chain may well hold two bent curves. Three describe one that is none of them; three modes side by side in a time record, an echo.
 constexpr std::ptrdiff_t kMostOfAKind = 2;
 
@@ -61,7 +58,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   SearchOptions options = given;
   SearchResult result;
   result.initial = Model(base);
-  result.initial.set_signal_size(kTypicalOffset * largest_range(train));
+  result.initial.set_signal_size(largest_range(train));
   SearchSetting setting{options, result.initial};
   Beam beam;
   SearchRecords& records = beam.records;
@@ -85,8 +82,6 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.train_rms = beam.best.train_rms;
   result.log_evidence = beam.best.log_evidence;
   if (!result.stopped) result.structure = signs_left(beam.best.model, records);
-  // It made the search go on. What neither an offset nor a drift took of it is what noise has that falls as 1/f from below the record on.
-  std::erase_if(result.structure, [](const Sign& s) { return s.kind == SignKind::straight_line; });
   if (has_many_of_a_kind(beam.best.model, records.train))
     result.structure.push_back({SignKind::many_of_a_kind, (kMostOfAKind + 1.0) / kMostOfAKind});
   result.final = std::move(beam.best.model);

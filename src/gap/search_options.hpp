@@ -14,7 +14,6 @@ namespace bodesmith::gap {
 /// Long records are first fitted on the stretches of which most is left [5].
 struct StretchOptions {
   std::size_t samples = 8000;  ///< of all stretches together; one and a half times as many: long records
-  std::size_t min_lead = 200;  ///< samples before each that are run but not scored
 };
 
 /// Rounds of candidates [4, 5].
@@ -63,6 +62,8 @@ struct SearchOptions {
 
   /// A record began in another state than rest where the rms of its start's residual is so many times that of the rest [2].
   double start_stands_out = 1.35;
+  /// So many times the rms is left where something contradicts what was found: held-out records, or starts that were left out.
+  double contradicts = 2.0;
   StretchOptions stretches;
   RoundOptions round;
   BoundOptions bounds;

@@ -7,8 +7,7 @@ namespace {
 void propose_drift(const Scene& scene, std::vector<Proposal>& out) {
   const double rate = scene.boundary.back().size() / scene.duration_s;
   out.push_back(insert_block(scene, scene.end(), chain::make_block("drift"),
-                             {linear_unknown("rate_per_s", -10.0 * rate, 10.0 * rate, 0.1 * rate)},
-                             {{0.01 * rate}}));
+                             {linear_unknown("rate_per_s", -10.0 * rate, 10.0 * rate, 0.1 * rate)}));
 }
 
 }  // namespace

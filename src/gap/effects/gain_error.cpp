@@ -9,7 +9,7 @@ void propose_gain_error(const Scene& scene, std::vector<Proposal>& out) {
   if (is_refitted(*scene.model, "gain")) return;
   for (std::size_t at : scene.linear_places()) {
     out.push_back(insert_block(scene, at, chain::make_block("gain").set("gain", 1.0),
-                               {linear_unknown("gain", 0.2, 5.0, 0.1)}, {{1.02}}));
+                               {linear_unknown("gain", 0.2, 5.0, 0.1)}));
   }
 }
 

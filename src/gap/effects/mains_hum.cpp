@@ -17,10 +17,6 @@ constexpr double kTolerance = 0.005;
 constexpr int kHarmonics = 7;
 /// Fewer cycles in the record, as sampled, are a drift or an offset to it, and lines nearer to each other one line.
 constexpr double kMinCycles = 2.0;
-/// Frequencies that are looked at, in one of the record's resolution.
-constexpr std::size_t kFiner = 5;
-/// Lines that are proposed.
-constexpr std::size_t kProposed = 2;
 
 /// Where a frequency comes to lie when sampled.
 double alias_of(double hz, double rate_hz) {
@@ -38,7 +34,7 @@ class FineSpectrum {
  public:
   explicit FineSpectrum(const Scene& scene) : rate_hz_(1.0 / scene.step_s) {
     auto padded = less_straight_line(scene.residual);
-    padded.resize(smooth_length(kFiner * padded.size()), 0.0);
+    padded.resize(smooth_length(2 * padded.size()), 0.0);
     bin_hz_ = rate_hz_ / static_cast<double>(padded.size());
     for (const auto& value : half_spectrum(padded)) amplitude_.push_back(std::abs(value));
   }
@@ -100,15 +96,10 @@ void propose_mains_hum(const Scene& scene, std::vector<Proposal>& out) {
   // Of harmonics that sampling folds to one place the lower one is likelier.
   std::stable_sort(lines.begin(), lines.end(),
                    [](const Line& a, const Line& b) { return a.amplitude > b.amplitude; });
-  std::vector<Line> proposed;
-  for (const auto& line : lines) {
-    if (proposed.size() >= kProposed) break;
-    const bool seen = std::any_of(proposed.begin(), proposed.end(), [&](const Line& other) {
-      return std::abs(alias_of(other.hz, rate) - alias_of(line.hz, rate)) * scene.duration_s < kMinCycles;
-    });
-    if (!seen) proposed.push_back(line);
-  }
-  for (const auto& line : proposed) out.push_back(with_line(scene, line));
+  const auto near = [&](const Line& a, const Line& b) {
+    return std::abs(alias_of(a.hz, rate) - alias_of(b.hz, rate)) * scene.duration_s < kMinCycles;
+  };
+  for (const auto& line : best_apart(lines, near)) out.push_back(with_line(scene, line));
 }
 
 }  // namespace

@@ -9,40 +9,32 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/records/one_loop.hpp"
 #include "gap/search_options.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 /// A bank of plays with fixed radii in parallel with the straight line u, as a prandtl_ishlinskii block: linear in its
-/// weights, which are the unknowns and start small. Dense enough for any smooth loop. Symmetric and asymmetric memory have the same
+/// weights, which are the unknowns. Dense enough for any smooth loop. Symmetric and asymmetric memory have the same
 /// one: which of them is named must not hang on whose radii happen to lie nearer to the truth.
 struct PlayBank {
   chain::Block block = chain::make_block("prandtl_ishlinskii");
   std::vector<Unknown> unknowns;
-  std::vector<double> start;
 };
 
 PlayBank play_bank(double half_range) {
   constexpr std::array kParts = {0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.56, 0.72, 0.88};
-  constexpr double kStart = 0.01;
   PlayBank bank;
   std::vector<double> radius = {0.0};
   std::vector<double> weight = {1.0};
   for (std::size_t k = 0; k < kParts.size(); ++k) {
     radius.push_back(kParts[k] * half_range);
-    weight.push_back(kStart);
+    weight.push_back(0.0);
     bank.unknowns.push_back(linear_unknown("w[" + std::to_string(k + 1) + "]", 0.0, 5.0, 0.05));
-    bank.start.push_back(kStart);
   }
   bank.block.set("r", radius).set("w", weight);
   return bank;
 }
-
-/// A sharpness other than 1 of a Bouc-Wen loop has no closed form and takes ten times as long: for records up
-/// to this many samples only.
-constexpr std::size_t kMaxSamplesWithSharpness = 5000;
 
 /// Two plays of free radii: of few plays a bank's fixed radii miss the corners.
 Proposal two_plays(const Scene& scene, std::size_t at, double half) {
@@ -67,23 +59,18 @@ Proposal two_plays(const Scene& scene, std::size_t at, double half) {
 
 /// y = u - z with gamma as a share of beta, and beta for a signal of half range 1 (whatever its unit): a
 /// smooth loop that the plays only follow in corners.
-Proposal bouc_wen(const Scene& scene, std::size_t at, double half, bool sharpness) {
+Proposal bouc_wen(const Scene& scene, std::size_t at, double half) {
   auto block = chain::make_block("bouc_wen").set("k", 1.0).set("A", 0.1).set("beta", 1.0).set("gamma", 0.0);
-  std::vector<Unknown> unknowns = {
-      linear_unknown("A", -3.0, 0.9, 0.1), logarithmic_unknown("beta", 0.02, 20.0),
-      linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
-  if (!sharpness) unknowns.pop_back();
+  const std::vector<Unknown> unknowns = {linear_unknown("A", -3.0, 0.9, 0.1),
+                                         logarithmic_unknown("beta", 0.02, 20.0),
+                                         linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2)};
   Starts starts;
   for (double a : {0.1, -0.1}) {
-    for (double beta : {1.0, 5.0}) {
-      starts.push_back({a, beta, 0.0});
-      if (sharpness) starts.back().push_back(1.1);
-    }
+    for (double beta : {1.0, 5.0}) starts.push_back({a, beta, 0.0});
   }
   return insert_block(scene, at, block, unknowns, starts, [half](chain::Block& b, std::span<const double> v) {
-    const double n = v.size() > 3 ? v[3] : 1.0;
-    const double beta = v[1] / std::pow(half, n);
-    b.set("A", v[0]).set("beta", beta).set("gamma", v[2] * beta).set("n", n);
+    const double beta = v[1] / half;
+    b.set("A", v[0]).set("beta", beta).set("gamma", v[2] * beta);
   });
 }
 
@@ -92,15 +79,33 @@ void propose_hysteresis(const Scene& scene, std::vector<Proposal>& out) {
     const double half = 0.5 * scene.boundary[at].span();
     if (!(half > 0.0)) continue;
     const auto bank = play_bank(half);
-    out.push_back(insert_block(scene, at, bank.block, bank.unknowns, {bank.start}));
-    if (!is_one_loop(scene, at)) out.push_back(two_plays(scene, at, half));
-    out.push_back(bouc_wen(scene, at, half, false));
-    if (scene.residual.size() <= kMaxSamplesWithSharpness) out.push_back(bouc_wen(scene, at, half, true));
+    out.push_back(insert_block(scene, at, bank.block, bank.unknowns));
+    out.push_back(two_plays(scene, at, half));
+    out.push_back(bouc_wen(scene, at, half));
   }
 }
 
 /// Loops that are less wide than this part of the curve next to them are none: as little as what a name must explain.
 const double kMinLoop = BoundOptions().explained;
+
+/// All there is to fit is one record in which this signal goes from end to end again and again: a play that follows it turns nowhere
+/// else, but on the way in from the start.
+bool is_one_loop(const Scene& scene, std::size_t at) {
+  const Signal& signal = scene.boundary[at];
+  const double reach = kMinLoop * signal.span();
+  double play = signal.values.front();
+  double last_step = 0.0;
+  int turns = 0;
+  for (const double v : signal.values) {
+    const double step = std::clamp(play, v - 0.5 * reach, v + 0.5 * reach) - play;
+    if (step == 0.0) continue;
+    const double inside = step > 0.0 ? play - signal.low : signal.high - play;
+    if (step * last_step < 0.0 && ++turns > 2 && inside > 1.5 * reach) return false;
+    last_step = step;
+    play += step;
+  }
+  return scene.records == 1;
+}
 
 bool is_curve_of_branches(const chain::Block& block, const Signal& signal) {
   const auto& up = block.list("ascending");
@@ -112,9 +117,7 @@ bool is_curve_of_branches(const chain::Block& block, const Signal& signal) {
   };
   double curve = 0.0;
   double loop = 0.0;
-  constexpr int kPoints = 20;
-  for (int i = 0; i <= kPoints; ++i) {
-    const double x = signal.low + signal.span() * i / kPoints;
+  for (const double x : signal.values) {
     curve += std::pow(0.5 * (value(up, x) + value(down, x)), 2);
     loop += std::pow(0.5 * (value(up, x) - value(down, x)), 2);
   }
@@ -147,20 +150,14 @@ Proposal branches(const Scene& scene, std::size_t at) {
   auto block = chain::make_block("polynomial_hysteresis");
   block.set("ascending", std::vector<double>(3, 0.0)).set("descending", std::vector<double>(3, 0.0));
   std::vector<Unknown> unknowns;
-  std::vector<double> start;
   for (const bool descending : {false, true}) {
-    double scale = 0.1;
-    for (int k = 0; k < 3; ++k) {
-      if (!(free_gain && k == 0 && descending)) {
-        unknowns.push_back(
-            linear_unknown((descending ? "descending[" : "ascending[") + std::to_string(k) + "]",
-                           -20.0 * scale, 20.0 * scale, scale));
-        start.push_back(0.01 * scale);
-      }
-      scale /= scene.boundary[at].size();
+    for (int k = free_gain && descending ? 1 : 0; k < 3; ++k) {
+      const double scale = 0.1 * std::pow(scene.boundary[at].size(), -k);
+      unknowns.push_back(linear_unknown((descending ? "descending[" : "ascending[") + std::to_string(k) + "]",
+                                        -20.0 * scale, 20.0 * scale, scale));
     }
   }
-  return insert_block(scene, at, block, unknowns, {start},
+  return insert_block(scene, at, block, unknowns, {},
                       [free_gain](chain::Block& b, std::span<const double> v) {
                         const std::vector<double> up(v.begin(), v.begin() + 3);
                         std::vector<double> down(v.begin() + 3, v.end());
@@ -176,6 +173,7 @@ Proposal plays_and_knee(const Scene& scene, std::size_t at) {
   const double span = signal.span();
   const double scale = 0.025 * span;
   auto bank = play_bank(0.5 * span);
+  const std::vector<double> weights(bank.unknowns.size(), 0.01);
   bank.unknowns.push_back(linear_unknown("s[0]", signal.low, signal.high, scale));
   bank.unknowns.push_back(linear_unknown("v[0]", -0.9, 5.0, 0.05));
   // A memory that is not at rest at zero stands somewhere.
@@ -184,7 +182,7 @@ Proposal plays_and_knee(const Scene& scene, std::size_t at) {
   if (!free_gain) bank.unknowns.push_back(linear_unknown("w[0]", 0.2, 5.0, 0.05));
   Starts starts;
   for (const double part : {0.35, 0.5, 0.65}) {
-    auto& start = starts.emplace_back(bank.start);
+    auto& start = starts.emplace_back(weights);
     start.insert(start.end(), {signal.low + part * span, 0.01, 0.0});
     if (!free_gain) start.push_back(1.0);
   }
@@ -239,9 +237,8 @@ Proposal rates_each_way(const Scene& scene, std::size_t at) {
 
 void propose_asymmetric_hysteresis(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : scene.static_places()) {
-    if (!(scene.boundary[at].span() > 0.0)) continue;
     // One loop alone says nothing of smaller ones: fitted asymmetry would be that loop's shape.
-    if (is_one_loop(scene, at)) continue;
+    if (!(scene.boundary[at].span() > 0.0) || is_one_loop(scene, at)) continue;
     out.push_back(branches(scene, at));
     out.push_back(plays_and_knee(scene, at));
     out.push_back(uneven_stop(scene, at));

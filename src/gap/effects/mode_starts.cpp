@@ -12,7 +12,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr std::array kTriedDampings = {0.003, 0.01, 0.03, 0.1, 0.3};
-constexpr std::size_t kMostModeStarts = 6;
 /// Starts of one sign are this far apart (ln).
 constexpr double kStartsApart = 0.08;
 
@@ -86,27 +85,22 @@ TriedMode solve_mode(const ModePoints& p, double hz, double damping) {
 
 }  // namespace
 
-Starts mode_starts(const Scene& scene, const chain::Block& modes, double max_damping) {
+Starts mode_starts(const Scene& scene, const chain::Block& modes) {
   const ModePoints points = mode_points_of(scene, modes);
   std::vector<TriedMode> tried;
   for (const double hz : points.hz) {
     for (double damping : kTriedDampings) {
-      const TriedMode one = solve_mode(points, hz, std::min(damping, 0.99 * max_damping));
+      const TriedMode one = solve_mode(points, hz, damping);
       if (one.left >= 0.0 && one.gain != 0.0) tried.push_back(one);
     }
   }
   std::stable_sort(tried.begin(), tried.end(),
                    [](const TriedMode& a, const TriedMode& b) { return a.left < b.left; });
-  std::vector<TriedMode> chosen;
-  for (const TriedMode& t : tried) {
-    if (chosen.size() >= kMostModeStarts) break;
-    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const TriedMode& other) {
-      return (other.gain > 0.0) == (t.gain > 0.0) && std::abs(std::log(other.hz / t.hz)) < kStartsApart;
-    });
-    if (!near) chosen.push_back(t);
-  }
+  const auto near = [](const TriedMode& a, const TriedMode& b) {
+    return (a.gain > 0.0) == (b.gain > 0.0) && std::abs(std::log(a.hz / b.hz)) < kStartsApart;
+  };
   Starts starts;
-  for (const TriedMode& t : chosen) starts.push_back({t.hz, t.damping, t.gain});
+  for (const TriedMode& t : best_apart(tried, near)) starts.push_back({t.hz, t.damping, t.gain});
   return starts;
 }
 

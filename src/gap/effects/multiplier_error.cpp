@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,19 +11,9 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Values of a multiplier's errors: its product of x and y is scale (x + feedthrough) y + offset.
-struct ErrorValues {
-  double scale = 1.0;
-  double feedthrough = 0.0;
-  double offset = 0.0;
-};
-
-/// One of them as an unknown.
-struct MultiplierError {
-  double ErrorValues::*value;
-  Unknown unknown;
-  double start;
-};
+/// Errors of a multiplier, in this order: its product of x and y is scale (x + feedthrough) y + offset.
+using ErrorValues = std::array<double, 3>;
+constexpr ErrorValues kNoErrors = {1.0, 0.0, 0.0};
 
 /// Coefficients [c0, c1, ...] of the polynomial with those coefficients when its powers come from multipliers with
 /// errors: p1 = x, p2 = m(p1, x), p3 = m(p2, x), ...
@@ -34,10 +26,10 @@ std::vector<double> with_errors(const std::vector<double>& coefficients, const E
   power[1] = 1.0;
   for (std::size_t n = 1; n < sum.size(); ++n) {
     for (std::size_t k = 0; k <= n; ++k) sum[k] += coefficients[n] * power[k];
-    const ErrorValues& e = first_alone && n > 1 ? ErrorValues{} : errors;
-    power[0] += e.feedthrough;
-    for (std::size_t k = std::min(n + 1, sum.size() - 1); k > 0; --k) power[k] = e.scale * power[k - 1];
-    power[0] = e.offset;
+    const auto& [scale, feedthrough, offset] = first_alone && n > 1 ? kNoErrors : errors;
+    power[0] += feedthrough;
+    for (std::size_t k = std::min(n + 1, sum.size() - 1); k > 0; --k) power[k] = scale * power[k - 1];
+    power[0] = offset;
   }
   return sum;
 }
@@ -83,45 +75,43 @@ std::size_t degree_of(const std::vector<Powers>& powers) {
 }
 
 void propose_in_multiplier(const Scene& scene, std::size_t at, std::vector<Proposal>& out) {
-  const double size = scene.boundary[at].size();
-  const auto& block = scene.model->at(at);
-  const double scale = block.get("scale_v");
-  const auto scale_v = linear_unknown("scale_v", 0.5 * scale, 2.0 * scale, 0.05 * scale);
-  const auto feedthrough = linear_unknown("feedthrough", -1.0, 1.0, 0.05);
-  const auto z_offset =
-      linear_unknown("z_offset_v", -size * size / scale, size * size / scale, 0.05 * size * size / scale);
-  const double part = 0.01 * size * size / scale;
-  out.push_back(change_block(scene, at, {scale_v}, {{1.02 * scale}}));
-  out.push_back(change_block(scene, at, {feedthrough}, {{0.01}}));
-  out.push_back(change_block(scene, at, {z_offset}, {{part}}));
-  out.push_back(change_block(scene, at, {scale_v, feedthrough, z_offset}, {{1.02 * scale, 0.01, part}}));
+  const double scale = scene.model->at(at).get("scale_v");
+  const double most = std::pow(scene.boundary[at].size(), 2) / scale;
+  const std::vector<Unknown> all = {linear_unknown("scale_v", 0.5 * scale, 2.0 * scale, 0.05 * scale),
+                                    linear_unknown("feedthrough", -1.0, 1.0, 0.05),
+                                    linear_unknown("z_offset_v", -most, most, 0.05 * most)};
+  for (const auto& one : all) out.push_back(change_block(scene, at, {one}));
+  out.push_back(change_block(scene, at, all));
 }
 
-/// Of the multipliers that make a block's powers; `first_alone`: of that of the square, else those of all powers have the same.
+/// `which` of the errors of the multipliers that make a block's powers; `first_alone`: of that of the square, else those of all powers have
+/// the same.
 Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<Powers>& powers, bool first_alone,
-                   const std::vector<MultiplierError>& which) {
-  Model model = *scene.model;
-  const int id = model.id_at(at);
+                   const std::vector<std::size_t>& which) {
+  const double size = scene.boundary[at].size();
+  const double square = size * size;
+  const std::array all = {linear_unknown("scale", 0.5, 2.0, 0.05),
+                          linear_unknown("feedthrough", -size, size, 0.05 * size),
+                          linear_unknown("offset", -square, square, 0.05 * square)};
+  const int id = scene.model->id_at(at);
   Term term;
-  term.placed = inside_block(model, at);
-  term.part = model.at(at).part;
+  term.placed = inside_block(*scene.model, at);
+  term.part = scene.model->at(at).part;
   std::vector<double> start;
-  std::vector<double ErrorValues::*> values;
-  for (const auto& error : which) {
-    term.unknowns.push_back(error.unknown);
-    start.push_back(error.start);
-    values.push_back(error.value);
+  for (const std::size_t k : which) {
+    term.unknowns.push_back(all[k]);
+    start.push_back(kNoErrors[k] + 0.1 * all[k].scale);
   }
   term.write = [=](Model& m, std::span<const double> v) {
-    ErrorValues errors;
-    for (std::size_t k = 0; k < values.size(); ++k) errors.*values[k] = v[k];
+    ErrorValues errors = kNoErrors;
+    for (std::size_t k = 0; k < which.size(); ++k) errors[which[k]] = v[k];
     for (const auto& p : powers)
       write_powers(m.block(id), p, with_errors(p.coefficients, errors, first_alone));
   };
   term.undo = [=](Model& m) {
     for (const auto& p : powers) write_powers(m.block(id), p, p.coefficients);
   };
-  return propose_term(std::move(model), std::move(term), {start});
+  return propose_term(*scene.model, std::move(term), {start});
 }
 
 void propose_multiplier_error(const Scene& scene, std::vector<Proposal>& out) {
@@ -133,17 +123,9 @@ void propose_multiplier_error(const Scene& scene, std::vector<Proposal>& out) {
     const bool refitted = std::any_of(block.parameters().begin(), block.parameters().end(),
                                       [](const chain::Parameter& p) { return p.free; });
     if (degree < 2 || refitted) continue;
-    const double size = scene.boundary[at].size();
-    const double square = size * size;
-    const MultiplierError gain = {&ErrorValues::scale, linear_unknown("scale", 0.5, 2.0, 0.05), 1.02};
-    const MultiplierError through = {&ErrorValues::feedthrough,
-                                     linear_unknown("feedthrough", -size, size, 0.05 * size), 0.005 * size};
-    const MultiplierError offset = {&ErrorValues::offset,
-                                    linear_unknown("offset", -square, square, 0.05 * square), 0.005 * square};
-    std::vector<std::vector<MultiplierError>> sets = {
-        {gain}, {through}, {gain, through}, {gain, through, offset}};
+    std::vector<std::vector<std::size_t>> sets = {{0}, {1}, {0, 1}, {0, 1, 2}};
     // One curve's constant is an offset's; those of two branches differ.
-    if (powers.size() > 1) sets.push_back({offset});
+    if (powers.size() > 1) sets.push_back({2});
     for (const bool first_alone : {false, true}) {
       // With squares alone it is the same.
       if (first_alone && degree < 3) continue;

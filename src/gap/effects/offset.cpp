@@ -15,8 +15,7 @@ void propose_offset(const Scene& scene, std::vector<Proposal>& out) {
   for (std::size_t at : places(scene)) {
     const double size = scene.boundary[at].size();
     out.push_back(insert_block(scene, at, chain::make_block("gain").set("gain", 1.0),
-                               {linear_unknown("offset", -10.0 * size, 10.0 * size, 0.1 * size)},
-                               {{0.01 * size}}));
+                               {linear_unknown("offset", -10.0 * size, 10.0 * size, 0.1 * size)}));
   }
 }
 

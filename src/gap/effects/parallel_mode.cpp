@@ -11,11 +11,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// More damping leaves neither a peak nor a zero next to it, and the curve is another effect's.
-constexpr double kMaxParallelDamping = 0.3;
-/// Shares beyond: the zero lies so far above the pole that the mode is one in series.
-constexpr double kMaxShare = 100.0;
-constexpr double kTypicalShare = 0.3;
 const char* const kShares = "gains";
 const char* const kModeFrequencies = "natural_frequencies_hz";
 const char* const kModeDampings = "damping_ratios";
@@ -92,15 +87,14 @@ void add_proposal(const Scene& scene, Model model, int block, std::optional<int>
   const auto gains = modes.list(kShares);
   const auto unused = std::find(gains.begin(), gains.end(), 0.0);
   const ModePlace place{block, static_cast<std::size_t>(unused - gains.begin()), resonator};
-  auto starts =
-      scene.frequency_only ? mode_starts(scene, modes, kMaxParallelDamping) : starts_at_peaks(scene);
+  auto starts = scene.frequency_only ? mode_starts(scene, modes) : starts_at_peaks(scene);
   if (starts.empty()) return;
   Term term;
   term.placed = placed;
   term.blocks = {block};
   term.unknowns = {logarithmic_unknown("natural_frequency_hz", 0.3 * scene.low_hz, 3.0 * scene.top_hz),
-                   logarithmic_unknown("damping_ratio", 1e-3, kMaxParallelDamping),
-                   linear_unknown("gain", -kMaxShare, kMaxShare, kTypicalShare)};
+                   logarithmic_unknown("damping_ratio", 1e-3, kMostDamping),
+                   linear_unknown("gain", -INFINITY, INFINITY, 1.0)};
   term.write = [place](Model& m, std::span<const double> v) { place.write(m, v[0], v[1], v[2]); };
   term.undo = [place](Model& m) { place.clear(m); };
   out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
@@ -108,7 +102,7 @@ void add_proposal(const Scene& scene, Model model, int block, std::optional<int>
 
 bool parallel_mode_is_no_name(const Model&, const Term& term, const Scene& scene) {
   const double hz = term.unknowns[0].value;
-  return hz > scene.top_hz || hz < scene.low_hz || !(term.unknowns[1].value < kMaxParallelDamping);
+  return hz > scene.top_hz || hz < scene.low_hz || !(term.unknowns[1].value < kMostDamping);
 }
 
 void add_block(const Scene& scene, std::size_t at, std::optional<int> resonator, const std::string& placed,

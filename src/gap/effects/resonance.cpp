@@ -2,12 +2,10 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "gap/effects/mode_starts.hpp"
 
 namespace bodesmith::gap {
 namespace {
-
-/// More damping leaves no peak: two lags, which have names of their own.
-constexpr double kMaxDamping = 0.7;
 
 void propose_resonance(const Scene& scene, std::vector<Proposal>& out) {
   Starts starts;
@@ -36,13 +34,13 @@ void propose_resonance(const Scene& scene, std::vector<Proposal>& out) {
     block.set("gain", 1.0);
     out.push_back(insert_block(scene, at, block,
                                {logarithmic_unknown("natural_frequency_hz", 0.05 * scene.low_hz, high),
-                                logarithmic_unknown("damping_ratio", 1e-3, kMaxDamping)},
+                                logarithmic_unknown("damping_ratio", 1e-3, kMostDamping)},
                                starts));
   }
 }
 
 bool resonance_is_no_name(const Model&, const Term& term, const Scene&) {
-  return !(term.unknowns[1].value < kMaxDamping);
+  return !(term.unknowns[1].value < kMostDamping);
 }
 
 }  // namespace

@@ -12,8 +12,7 @@ auto spring(const char* key, int power) {
   return [=](const Scene& scene, std::vector<Proposal>& out) {
     for (std::size_t at : places_of_unused(scene, key)) {
       const double typical = 0.1 / std::pow(scene.boundary[at + 1].size(), power);
-      out.push_back(change_block(scene, at, {linear_unknown(key, -8.0 * typical, 8.0 * typical, typical)},
-                                 {{0.2 * typical}}));
+      out.push_back(change_block(scene, at, {linear_unknown(key, -8.0 * typical, 8.0 * typical, typical)}));
     }
   };
 }

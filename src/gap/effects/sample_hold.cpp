@@ -14,9 +14,6 @@ chain::Block hold_block(bool half, double clock_hz) {
   return block;
 }
 
-/// Holds of more samples are slower than any drive that could be followed with them.
-constexpr int kMostSamplesHeld = 12;
-
 void propose_in_response(const Scene& scene, std::vector<Proposal>& out) {
   Starts starts;
   for (double factor : {1.2, 2.5, 6.0, 20.0}) starts.push_back({factor * scene.top_hz});
@@ -27,9 +24,8 @@ void propose_in_response(const Scene& scene, std::vector<Proposal>& out) {
   }
 }
 
-/// A held signal lags by half a clock on the average; that, and the staircase itself, tell the clock.
+/// The staircase tells the clock.
 void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
-  const double lag_s = mean_lag_s(scene);
   const std::vector<std::size_t> places = scene.static_places();
   const RedNoise noise = places.empty() ? RedNoise() : most_likely_red_noise({scene.residual});
   std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
@@ -38,18 +34,13 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
     const bool half = i % 2 == 1;
     found[i] = clocks_of_hold(scene, at, half);
     const auto add = [&](const Starts& more) { found[i].insert(found[i].end(), more.begin(), more.end()); };
-    add(clocks_of_hold(scene, at, half, 0.0, noise));
-    if (!(lag_s > 0.0)) return;
-    const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
-    add({{guess}});
-    add(clocks_of_hold(scene, at, half, guess));
+    add(clocks_of_hold(scene, at, half, noise));
   });
   for (std::size_t i = 0; i < found.size(); ++i) {
     Starts& starts = found[i];
-    // One converter often drives both: clocks of which the sampling is a multiple.
-    for (int samples = 2; samples <= kMostSamplesHeld; ++samples) {
-      if (const double hz = 1.0 / (samples * scene.step_s); hz > scene.band_hz) starts.push_back({hz});
-    }
+    // One converter often drives both: clocks of which the sampling is a multiple, as long as a drive could be followed with them.
+    for (double cycle = 2.0 * scene.step_s; cycle * scene.band_hz < 0.5; cycle += scene.step_s)
+      starts.push_back({1.0 / cycle});
     if (starts.empty()) continue;
     const auto [low, high] = std::minmax_element(starts.begin(), starts.end());
     auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);

@@ -13,8 +13,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Clocks kept at each length of the look.
-constexpr std::size_t kKept = 8;
 /// Clocks of the first look in one cycle over its length, and new ones on either side of each in the next.
 constexpr int kFinerClocks = 2;
 /// Samples of the first look.
@@ -37,18 +35,11 @@ Starts starts_of(const std::vector<ScoredClock>& scored) {
   return starts;
 }
 
-/// The best `count`, best first, that lie further apart than `apart_hz`: neighbours are one peak.
-void keep_best(std::vector<ScoredClock>& sorted, double apart_hz, std::size_t count = kKept) {
-  std::sort(sorted.rbegin(), sorted.rend());
-  std::vector<ScoredClock> kept;
-  for (const auto& s : sorted) {
-    const bool near = std::any_of(kept.begin(), kept.end(), [&](const ScoredClock& k) {
-      return std::abs(k.second - s.second) < apart_hz;
-    });
-    if (!near) kept.push_back(s);
-    if (kept.size() == count) break;
-  }
-  sorted = std::move(kept);
+/// The best, best first, that lie further apart than `apart_hz`: neighbours are one peak.
+void keep_best(std::vector<ScoredClock>& clocks, double apart_hz, std::size_t count = kMostFound) {
+  std::sort(clocks.rbegin(), clocks.rend());
+  clocks = best_apart(
+      clocks, [&](const auto& a, const auto& b) { return std::abs(a.second - b.second) < apart_hz; }, count);
 }
 
 /// Share of the residual along a feature, in energy; 0 when they point apart.
@@ -62,16 +53,15 @@ struct Likeness {
   double value() const { return along > 0.0 && size > 0.0 ? along * along / size : 0.0; }
 };
 
-/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less the signal, or less their own mean lag. The signal is a
-/// sample longer; every edge is worked out anew, since a branch that tells where one is costs more.
+/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less their own mean lag, which free corners of the model may
+/// have taken over. The signal is a sample longer; every edge is worked out anew, since a branch that tells where one is costs more.
 double likeness_to_stairs(const std::vector<double>& signal, const std::vector<double>& residual, bool half,
-                          bool with_lag, double clock, std::size_t from, std::size_t n) {
+                          double clock, std::size_t from, std::size_t n) {
   const double cycle = 1.0 / clock;
   const double late = half ? 0.5 * cycle : 0.0;
   const double lag = 0.5 * cycle + late;
   const auto first = whole_number<std::size_t>(std::ceil(lag));
-  const std::size_t shift = with_lag ? 0 : first;
-  const double share = with_lag ? 0.0 : static_cast<double>(first) - lag;
+  const double share = static_cast<double>(first) - lag;
   const auto between = [&](std::size_t k, double part) {
     return signal[k] + part * (signal[k + 1] - signal[k]);
   };
@@ -81,7 +71,7 @@ double likeness_to_stairs(const std::vector<double>& signal, const std::vector<d
     const double edge = cycle * static_cast<double>(below((static_cast<double>(i) - late) * clock));
     const std::int64_t k = below(edge);
     const double held = between(static_cast<std::size_t>(k), edge - static_cast<double>(k));
-    likeness.add(residual[i], held - between(i - shift, share));
+    likeness.add(residual[i], held - between(i - first, share));
   }
   return likeness.value();
 }
@@ -111,32 +101,26 @@ std::vector<ScoredClock> likely_fast_clocks(const std::vector<double>& signal,
       if (sum > 0.0) found.emplace_back(sum, static_cast<double>(k) / static_cast<double>(length));
     }
   }
-  keep_best(found, 1.0 / static_cast<double>(n), 4 * kKept);
+  keep_best(found, 1.0 / static_cast<double>(n), 4 * kMostFound);
   return found;
 }
 
-/// Clocks whose stairs of a signal the residual is like, best first; above 0: lag and all, around `guess_hz`.
+/// Clocks whose stairs of a signal the residual is like, best first.
 Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const std::vector<double>& residual,
-                        bool half, double guess_hz) {
+                        bool half) {
   signal.push_back(signal.back());
   const double h = scene.step_s;
-  const bool with_lag = guess_hz > 0.0;
   const auto likeness = [&](double f, std::size_t n) {
-    return likeness_to_stairs(signal, residual, half, with_lag, f * h, n / 10, n);
+    return likeness_to_stairs(signal, residual, half, f * h, n / 10, n);
   };
   const std::size_t last = residual.size();
   std::size_t length = std::min(last, kFirstLook);
-  const double low_hz =
-      with_lag ? 0.5 * guess_hz : std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h));
-  const double high_hz = with_lag ? 2.2 * guess_hz : kFastestClock / h;
+  const double low_hz = std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h));
   double spacing = 1.0 / (kFinerClocks * static_cast<double>(length) * h);
   std::vector<ScoredClock> scored;
-  const double one_by_one_hz = with_lag ? high_hz : std::min(high_hz, kFastClock / h);
-  for (double f = low_hz; f < one_by_one_hz; f += spacing) scored.emplace_back(likeness(f, length), f);
-  if (!with_lag) {
-    for (const auto& [sum, clock] : likely_fast_clocks(signal, residual, half, low_hz * h, length))
-      scored.emplace_back(likeness(clock / h, length), clock / h);
-  }
+  for (double f = low_hz; f < kFastClock / h; f += spacing) scored.emplace_back(likeness(f, length), f);
+  for (const auto& [sum, clock] : likely_fast_clocks(signal, residual, half, low_hz * h, length))
+    scored.emplace_back(likeness(clock / h, length), clock / h);
   for (bool finely = false; !scene.is_late(); finely = true) {
     keep_best(scored, 1.0 / (static_cast<double>(length) * h));
     if (finely && length == last) return starts_of(scored);
@@ -154,48 +138,9 @@ Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const st
   return {};
 }
 
-/// Mean square of the measured output less the model's, `lag` samples later.
-double distance_at_lag(const Scene& scene, std::size_t lag) {
-  const auto& y = scene.boundary.back().values;
-  double sum = 0.0;
-  for (std::size_t i = lag; i < y.size(); ++i) {
-    const double e = y[i] + scene.residual[i] - y[i - lag];
-    sum += e * e;
-  }
-  return sum / static_cast<double>(y.size() - lag);
-}
-
-/// Less than a sample or two: from the residual's likeness to the slope.
-double lag_by_slope_s(const Scene& scene) {
-  const auto& y = scene.boundary.back().values;
-  double rs = 0.0;
-  double ss = 0.0;
-  for (std::size_t i = 1; i + 1 < y.size(); ++i) {
-    const double slope = (y[i + 1] - y[i - 1]) / (2.0 * scene.step_s);
-    rs -= scene.residual[i] * slope;
-    ss += slope * slope;
-  }
-  return ss > 0.0 ? std::max(0.0, rs / ss) : 0.0;
-}
-
 }  // namespace
 
-double mean_lag_s(const Scene& scene) {
-  std::size_t best = 0;
-  double min_distance = distance_at_lag(scene, 0);
-  const auto cycle = whole_number<std::size_t>(1.0 / (scene.band_hz * scene.step_s)) + 2;
-  const auto max_lag = std::min(scene.residual.size() / 8, cycle);
-  for (std::size_t lag = 1; lag <= max_lag; ++lag) {
-    const double d = distance_at_lag(scene, lag);
-    if (d < min_distance) {
-      min_distance = d;
-      best = lag;
-    }
-  }
-  return best < 2 ? lag_by_slope_s(scene) : static_cast<double>(best) * scene.step_s;
-}
-
-Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz, const RedNoise& noise) {
+Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, const RedNoise& noise) {
   const bool white = noise.driving_variance > 0.0;
   // A curve or a memory passes stairs on much as they are.
   chain::Chain behind;
@@ -203,7 +148,7 @@ Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double gues
     if (scene.linear(k)) behind.blocks.push_back(scene.model->at(k));
   }
   if (behind.blocks.empty() && !white)
-    return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half, guess_hz);
+    return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half);
   // <W r, W H stairs> = <H* W* W r, stairs>, W the filter that makes the residual white: what is behind runs once, from its end.
   std::vector<double> turned = scene.residual;
   if (white) whiten(turned, noise);
@@ -215,7 +160,7 @@ Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double gues
   const auto y = simulator.run(turned);
   std::vector<double> seen(y.rbegin(), y.rend());
   for (std::size_t i = 0; i < seen.size(); ++i) seen[i] -= constant[seen.size() - 1 - i];
-  return clocks_of_stairs(scene, scene.boundary[at].values, seen, half, guess_hz);
+  return clocks_of_stairs(scene, scene.boundary[at].values, seen, half);
 }
 
 }  // namespace bodesmith::gap

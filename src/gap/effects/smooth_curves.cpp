@@ -17,8 +17,8 @@ auto smooth_curve(int power) {
     for (std::size_t at : scene.static_places()) {
       const double scale = 0.1 / std::pow(scene.boundary[at].size(), power - 1);
       const std::string name = "coefficients[" + std::to_string(power) + "]";
-      out.push_back(insert_block(scene, at, block, {linear_unknown(name, -20.0 * scale, 20.0 * scale, scale)},
-                                 {{0.05 * scale}, {-0.05 * scale}}));
+      out.push_back(
+          insert_block(scene, at, block, {linear_unknown(name, -20.0 * scale, 20.0 * scale, scale)}));
     }
   };
 }

@@ -53,16 +53,13 @@ const double kLogShape = std::lgamma(0.5 * (kDegrees + 1.0)) - std::lgamma(0.5 *
 /// Log likelihood of independent values under Student's t of the most likely size (Lange, Little, Taylor, J. Am. Stat. Assoc. 84 (1989)
 /// 881, whose iteration this is).
 double log_of_students_t(std::span<const double> values) {
-  constexpr int kIterations = 60;
   const double n = static_cast<double>(values.size());
   double square = std::max(0.5 * rms(values) * rms(values), 1e-300);
-  for (int k = 0; k < kIterations; ++k) {
+  for (double last = 0.0; std::abs(square - last) > 1e-10 * square;) {
+    last = square;
     double sum = 0.0;
     for (const double v : values) sum += (kDegrees + 1.0) / (kDegrees + v * v / square) * v * v;
-    const double next = std::max(sum / n, 1e-300);
-    const bool done = std::abs(next - square) < 1e-10 * square;
-    square = next;
-    if (done) break;
+    square = std::max(sum / n, 1e-300);
   }
   double sum = 0.0;
   for (const double v : values) sum += std::log1p(v * v / (kDegrees * square));

@@ -12,8 +12,6 @@ namespace {
 
 /// Relative spread of the free parameters' values in a base model: right to a quarter (docs/gap.md, 1).
 constexpr double kGivenSpread = 0.25;
-/// A base model's parameters on a logarithmic scale are searched within this factor of what is given.
-constexpr double kMostFactor = 1e3;
 
 }  // namespace
 
@@ -37,8 +35,6 @@ Model::Model(const chain::Chain& base) : start_(base.start) {
       // not (a sine cannot tell gain, frequency and damping of a resonator apart).
       u.given = p.value;
       u.given_spread = u.logarithmic ? kGivenSpread : kGivenSpread * std::abs(p.value);
-      if (u.logarithmic) u.low = std::max(p.min(), p.value / kMostFactor);
-      if (u.logarithmic) u.high = std::min(p.max(), p.value * kMostFactor);
       free_.push_back({next_id_, k, u});
     }
     ++next_id_;
@@ -48,7 +44,7 @@ Model::Model(const chain::Chain& base) : start_(base.start) {
 void Model::set_signal_size(double size) {
   for (auto& f : free_) {
     const bool is_signal = f.unknown.unit == "y" || f.unknown.unit == "u";
-    if (is_signal && f.unknown.value == 0.0 && size > 0.0) f.unknown.scale = size;
+    if (is_signal && f.unknown.value == 0.0 && size > 0.0) f.unknown.scale = kGivenSpread * size;
   }
 }
 

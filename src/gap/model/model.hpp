@@ -84,8 +84,7 @@ class Model {
   chain::Block& block(int id) { return slots_[position_of(id)].block; }
 
   void set_start(chain::Start start) { start_ = start; }
-  /// Free parameters that are 0 and have the unit of a signal (offsets) say nothing of their size: changes of
-  /// them are typically as large as this.
+  /// Free parameters that are 0 and have the unit of a signal (offsets) say nothing of their size: they are right to a quarter of this.
   void set_signal_size(double size);
   /// Inserts before `position` (size(): at the end); returns the new block's id.
   int insert(std::size_t position, chain::Block block);

@@ -6,6 +6,7 @@
 
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
+#include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -37,7 +38,7 @@ Residuals residuals_by(Runners& runner) {
 
 FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions options) {
   Runners runner(model, experiments);
-  options.threads = runner.threads();
+  options.threads = allowed_threads();
   const auto unknowns = model.unknowns();
   std::vector<std::size_t> known;
   for (std::size_t k = 0; k < unknowns.size(); ++k) {
@@ -77,7 +78,7 @@ FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions
 LeastSquaresResult held_by(const Model& model, const Experiments& experiments) {
   Runners runner(model, experiments);
   LeastSquaresOptions options;
-  options.threads = runner.threads();
+  options.threads = allowed_threads();
   options.max_iterations = 1;
   return least_squares(search_variables(model.unknowns()), residuals_by(runner), options);
 }
@@ -85,7 +86,7 @@ LeastSquaresResult held_by(const Model& model, const Experiments& experiments) {
 std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments& experiments) {
   Runners runner(model, experiments);
   return bodesmith::sensitivities(search_variables(model.unknowns()), residuals_by(runner),
-                                  as_eigen(current_values(model)), runner.threads());
+                                  as_eigen(current_values(model)), allowed_threads());
 }
 
 }  // namespace bodesmith::gap

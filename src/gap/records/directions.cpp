@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "numeric/index.hpp"
@@ -16,13 +17,14 @@ double length_of(const std::vector<double>& v) {
 }  // namespace
 
 void Directions::add(std::vector<double> v) {
-  constexpr double kLeastOwn = 1e-5;
+  // Differences tell a derivative to some cube root of the rounding.
+  const double least = std::cbrt(std::numeric_limits<double>::epsilon());
   const double size = length_of(v);
   if (!(size > 0.0) || !std::isfinite(size)) return;
   for (double& x : v) x /= size;
   for (int twice = 0; twice < 2; ++twice) take_out(v);
   const double left = length_of(v);
-  if (left < kLeastOwn) return;
+  if (left < least) return;
   for (double& x : v) x /= left;
   all_.push_back(std::move(v));
 }

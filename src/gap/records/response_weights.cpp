@@ -8,11 +8,8 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A coherence of 0 does not say nothing of a point, and one that rounds to 1 not everything: neither is taken to be nearer to the end.
-constexpr double kFromEnds = 1e-6;
-/// Times the variance of the best points, so many of all (the good part of a linear grid may be small).
-constexpr double kLeastOfGood = 0.1;
-constexpr double kBest = 0.03;
+/// A coherence of 0 does not say nothing of a point, and one that rounds to 1 not everything: instruments write four digits.
+constexpr double kFromEnds = 1e-4;
 
 /// Of each point's parts, relative to |H|^2; of one average where their number is not known.
 std::vector<double> variances(const MeasuredResponse& record) {
@@ -22,8 +19,6 @@ std::vector<double> variances(const MeasuredResponse& record) {
     const double n = record.averages.empty() ? 1.0 : record.averages[i];
     out.push_back((1.0 - g) / (2.0 * n * g));
   }
-  const double least = kLeastOfGood * quantile(out, kBest);
-  for (double& v : out) v = std::max(v, least);
   return out;
 }
 

@@ -12,8 +12,8 @@ namespace bodesmith::gap {
 // in each of the real and imaginary part (J. S. Bendat and A. G. Piersol, Random Data, 2010, table 9.6: of gain, and of
 // phase in rad).
 
-/// One factor a point for residuals relative to |H|: the inverse of that deviation, the mean of the squares 1. No point
-/// is taken to be better than the best few percent of them by more than a factor of 3: a coherence of 1 is a rounded one.
+/// One factor a point for residuals relative to |H|: the inverse of that deviation, the mean of the squares 1. A coherence of 1 is a
+/// rounded one: none is taken to be above .9999.
 /// Empty for a record without coherence.
 std::vector<double> response_weights(const MeasuredResponse& record);
 

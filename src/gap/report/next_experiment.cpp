@@ -20,8 +20,6 @@ namespace {
 
 using Drive = std::vector<double>;
 
-constexpr double kMaxSamplesOfDrive = 3000;
-
 struct Rivals {
   std::vector<Model> models;
   std::vector<std::string> names;
@@ -55,7 +53,8 @@ DriveLimits limits_of(const Experiments& train, const DriveRequest& request) {
   limits.high = request.upper.value_or(std::max(0.0, driven.upper));
   limits.max_rate = request.max_rate.value_or(driven.max_rate_per_s);
   const double duration = first.step_s * static_cast<double>(first.size());
-  const double most = request.duration_s ? DriveRequest::kMostSamples : kMaxSamplesOfDrive;
+  const double most =
+      request.duration_s ? DriveRequest::kMostSamples : static_cast<double>(StretchOptions().samples);
   limits.samples =
       static_cast<std::size_t>(std::clamp(request.duration_s.value_or(duration) / limits.step_s, 64.0, most));
   return limits;
@@ -191,11 +190,9 @@ std::optional<Rivals> rivals_of(const SearchResult& result, const std::vector<Op
 /// How far a drive keeps the rivals apart, whichever of two is refitted.
 struct Apart {
   double least = std::numeric_limits<double>::infinity();  ///< rms, of the nearest two
-  double told = 0.0;  ///< sum over all pairs of standard deviations, of which more than kPlain say no more
+  double told =
+      0.0;  ///< sum over all pairs of the logarithm of standard deviations: a pair that no drive separates decides nothing
 };
-
-/// Standard deviations at which two rivals are plainly apart. A pair that no drive separates must not decide for the others.
-constexpr double kPlain = 20.0;
 
 Apart apart_under(const Rivals& rivals, const std::vector<Eigen::MatrixXd>& held, const TimeExperiment& drive,
                   const std::vector<std::vector<double>>& predicted, double noise) {
@@ -206,7 +203,7 @@ Apart apart_under(const Rivals& rivals, const std::vector<Eigen::MatrixXd>& held
       if (i == j) continue;
       const double rms = told_apart(rivals.models[i], held[i], drive, predicted[i], predicted[j]);
       out.least = std::min(out.least, rms);
-      out.told += std::min(rms * root / noise, kPlain);
+      out.told += std::log1p(rms * root / noise);
     }
   }
   return out;
@@ -238,7 +235,7 @@ std::optional<NextExperiment> next_experiment(const SearchResult& result,
     // An output as large as what comes: next to one of no size every model seems to run away.
     const Apart apart =
         apart_under(*rivals, held, experiment.with_output(predicted.front()), predicted, noise);
-    if (!(apart.told > widest.told || (apart.told == widest.told && apart.least > widest.least))) continue;
+    if (!(apart.told > widest.told)) continue;
     widest = apart;
     best.shape = shape;
     best.u = std::move(u);

@@ -8,6 +8,7 @@
 #include "gap/report/where.hpp"
 #include "report/plot.hpp"
 #include "report/script_data.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -17,10 +18,6 @@ using report::Series;
 
 /// Colours of the palette.
 enum Colour { kMeasured, kBase, kExtended, kFloor };
-
-constexpr std::size_t kMaxPoints = 2000;
-/// Samples of the stretch of a record that is shown close.
-constexpr std::size_t kZoomed = 200;
 
 std::vector<double> slice(const std::vector<double>& v, std::size_t from, std::size_t to) {
   const auto part = std::span(v).subspan(from, to - from);
@@ -55,19 +52,14 @@ BeforeAndAfter simulate_both(const Diagnosis& d, const TimeExperiment& e) {
 
 /// First sample of the stretch of `width` samples where the base model is worst.
 std::size_t worst_stretch(const BeforeAndAfter& s, std::size_t width) {
-  const auto& e = s.residual_before;
-  std::size_t best = s.first;
-  double largest = -1.0;
-  double sum = 0.0;
-  for (std::size_t i = s.first; i < e.size(); ++i) {
-    sum += e[i] * e[i];
-    if (i >= s.first + width) sum -= e[i - width] * e[i - width];
-    if (i + 1 >= s.first + width && sum > largest) {
-      largest = sum;
-      best = i + 1 - width;
-    }
+  const auto energy_at = [&](std::size_t from) {
+    return rms(std::span(s.residual_before).subspan(from, width));
+  };
+  std::size_t worst = s.first;
+  for (std::size_t from = worst; from + width <= s.record.size(); from += width) {
+    if (energy_at(from) > energy_at(worst)) worst = from;
   }
-  return best;
+  return worst;
 }
 
 Series curve(std::string name, const std::vector<double>& x, const std::vector<double>& y, std::size_t from,
@@ -76,11 +68,11 @@ Series curve(std::string name, const std::vector<double>& x, const std::vector<d
   c.x = slice(x, from, to);
   c.y = slice(y, from, to);
   c.width = 1.4;
-  return report::thinned(std::move(c), kMaxPoints);
+  return c;
 }
 
 Plot zoomed_output(const BeforeAndAfter& s) {
-  const std::size_t width = std::min(kZoomed, s.record.size() - s.first);
+  const std::size_t width = (s.record.size() - s.first) / kBins;
   const std::size_t from = worst_stretch(s, width);
   const std::size_t to = from + width;
   Plot plot;
@@ -107,7 +99,7 @@ Plot residual_over_time(const BeforeAndAfter& s) {
 }
 
 Plot residual_over_input(const BeforeAndAfter& s) {
-  const std::size_t to = std::min(s.record.size(), s.first + kMaxPoints);
+  const std::size_t to = std::min(s.record.size(), s.first + report::kMostLivePoints);
   Plot plot;
   plot.title = "Residual over the input";
   plot.x.label = "input u";

@@ -9,18 +9,13 @@
 
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
+#include "gap/search_options.hpp"
 #include "numeric/fourier.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
-
-/// An axis on which share exceeds extent by less says nothing (unless none says more).
-constexpr double kMinTelling = 0.15;
-/// Resolution of each axis.
-constexpr double kFrequencyRatio = 1.06;
-constexpr std::size_t kBins = 20;
 
 double sum_of(std::span<const Bin> bins, double Bin::*value) {
   double sum = 0.0;
@@ -72,11 +67,13 @@ Cell densest(Axis axis, const Bins& bins) {
           sum_of(run, &Bin::extent) / extent};
 }
 
+/// An axis on which share exceeds extent by less than a name must explain says nothing (unless none says more).
 void keep_telling(std::vector<Cell>& cells) {
   const auto gain = [](const Cell& c) { return c.share - c.extent; };
   double best = 0.0;
   for (const auto& c : cells) best = std::max(best, gain(c));
-  std::erase_if(cells, [&](const Cell& c) { return gain(c) < std::min(kMinTelling, 0.999 * best); });
+  std::erase_if(cells,
+                [&](const Cell& c) { return gain(c) < std::min(BoundOptions().explained, 0.999 * best); });
   std::stable_sort(cells.begin(), cells.end(), [&](const Cell& a, const Cell& b) {
     if (std::abs(a.share - b.share) > 1e-12) return a.share > b.share;
     return gain(a) > gain(b);
@@ -150,7 +147,7 @@ Bins frequency_bins(const std::vector<double>& e, double step_s) {
   while (k < p.power.size()) {
     Bin b;
     b.from = k == 0 ? 0.0 : edge;
-    const double next = std::max(edge * kFrequencyRatio, edge + p.bin_hz);
+    const double next = std::max(edge * (1.0 + 1.0 / kBins), edge + p.bin_hz);
     while (k < p.power.size() && p.bin_hz * static_cast<double>(k) <= next) {
       b.energy += p.power[k++];
       b.extent += p.bin_hz;

@@ -12,6 +12,9 @@ namespace bodesmith::gap {
 /// A stretch, or an offset, is told of that holds this part of a gap.
 constexpr double kMostOfGap = 0.5;
 
+/// Steps of each axis; those of frequency are apart by one part in so many.
+constexpr std::size_t kBins = 20;
+
 /// What a gap is spread over.
 enum class Axis {
   frequency,  ///< of the residual's spectrum, Hz

@@ -25,8 +25,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kBanks = 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kUnits = {
     {{"_per_s", "1/s"}, {"_rad_s", "rad/s"}, {"_deg", "degrees"}, {"_hz", "Hz"}, {"_s", "s"}, {"_v", "V"}}};
 
-constexpr std::size_t kMostInSentence = 2;
-
 bool is_of_bank(const std::string& name) {
   return name.ends_with(']');
 }
@@ -47,19 +45,17 @@ std::string range_text(const FoundParameter& p) {
 
 /// "corner 60 Hz (59 Hz to 61 Hz)"; "8 parameters, 6 of them weights above zero".
 std::string values_in_words(const std::vector<FoundParameter>& parameters) {
-  if (parameters.size() <= kMostInSentence &&
-      std::none_of(parameters.begin(), parameters.end(), [](const auto& p) { return is_of_bank(p.name); })) {
+  const auto weights =
+      std::count_if(parameters.begin(), parameters.end(), [](const auto& p) { return is_of_bank(p.name); });
+  if (weights == 0) {
     std::vector<std::string> values;
     for (const auto& p : parameters) values.push_back(range_text(p));
     return join(values, ", ");
   }
-  const auto weights =
-      std::count_if(parameters.begin(), parameters.end(), [](const auto& p) { return is_of_bank(p.name); });
   const auto used = std::count_if(parameters.begin(), parameters.end(),
                                   [](const auto& p) { return is_of_bank(p.name) && p.value != 0.0; });
-  std::string text = fmt::format("{} parameters", parameters.size());
-  if (weights > 0) text += fmt::format(", {} of them weights, of which {} not zero", weights, used);
-  return text + "; their values stand below";
+  return fmt::format("{} parameters, {} of them weights, of which {} not zero; their values stand below",
+                     parameters.size(), weights, used);
 }
 
 }  // namespace

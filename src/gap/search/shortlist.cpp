@@ -3,11 +3,14 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "base/error.hpp"
 #include "gap/model/model_fit.hpp"
 #include "gap/records/directions.hpp"
 #include "gap/runner.hpp"
+#include "gap/search_options.hpp"
 #include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
 
@@ -16,9 +19,6 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// With more starts than this the change itself is enough; with fewer, the unknowns' own directions are worth
-/// their runs.
-constexpr std::size_t kFewStarts = 6;
 /// Step of an unknown for its own direction, as a part of it.
 constexpr double kDirectionStep = 0.02;
 
@@ -41,24 +41,24 @@ double moved_value(const Unknown& u, double value) {
   return value + step > u.high ? value - step : value + step;
 }
 
-/// The score of a proposal's every start that can be run, best first.
+/// The score of a proposal's every start that can be run, best first: by what it changes in the output; of the best ones by what their
+/// unknowns would change further, too.
 std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments& records,
                                      const PresentModel& present) {
-  std::vector<StartScore> scores;
   Runner runner(proposal.model, records);
   auto values = current_values(proposal.model);
   const auto& unknowns = proposal.term().unknowns;
   const std::size_t first = values.size() - unknowns.size();
   std::vector<double> out;
   std::vector<double> moved;
-  for (std::size_t s = 0; s < proposal.starts.size(); ++s) {
-    std::copy(proposal.starts[s].begin(), proposal.starts[s].end(),
+  const auto scored = [&](std::size_t start, bool further) -> std::optional<StartScore> {
+    std::copy(proposal.starts[start].begin(), proposal.starts[start].end(),
               values.begin() + static_cast<std::ptrdiff_t>(first));
-    if (!runner(values, out)) continue;
-    Directions more = present.known;
+    if (!runner(values, out)) return std::nullopt;
     const Vector here = as_eigen(out);
+    Directions more = present.known;
     more.add(to_vector(here - as_eigen(present.residuals)));
-    for (std::size_t k = 0; k < unknowns.size() && proposal.starts.size() <= kFewStarts; ++k) {
+    for (std::size_t k = 0; further && k < unknowns.size(); ++k) {
       auto other = values;
       other[first + k] = moved_value(unknowns[k], values[first + k]);
       if (runner(other, moved)) more.add(to_vector(as_eigen(moved) - here));
@@ -66,13 +66,20 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
     double along = 0.0;
     for (std::size_t d = present.known.all().size(); d < more.all().size(); ++d)
       along += std::pow(as_eigen(more.all()[d]).dot(present.unexplained), 2);
-    const double score = present.unexplained_energy > 0.0 ? along / present.unexplained_energy : 0.0;
     // As its unknowns stand, those of the model refitted by linearisation.
     present.known.take_out(out);
-    scores.push_back({s, score, as_eigen(out).squaredNorm()});
+    return StartScore{start, along / std::max(present.unexplained_energy, 1e-300),
+                      as_eigen(out).squaredNorm()};
+  };
+  std::vector<StartScore> scores;
+  for (std::size_t s = 0; s < proposal.starts.size(); ++s) {
+    if (const auto one = scored(s, false)) scores.push_back(*one);
   }
-  std::stable_sort(scores.begin(), scores.end(),
-                   [](const StartScore& a, const StartScore& b) { return a.score > b.score; });
+  const auto by_score = [](const StartScore& a, const StartScore& b) { return a.score > b.score; };
+  std::stable_sort(scores.begin(), scores.end(), by_score);
+  const std::size_t followed = std::min(RoundOptions().followed, scores.size());
+  for (auto& one : std::span(scores).first(followed)) one = scored(one.start, true).value_or(one);
+  std::stable_sort(scores.begin(), scores.end(), by_score);
   // The second fit begins where least is left: it cannot lose its way, and what moves edges across samples has no direction in which it
   // could slide.
   if (scores.size() > 1) {
@@ -105,7 +112,7 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
     try {
       const auto scores = score_starts(proposals[i], look, present);
       for (const auto& s : scores) p.best_starts.push_back(s.start);
-      for (const auto& s : scores) p.score = std::max(p.score, s.score);
+      p.score = scores.empty() ? 0.0 : scores.front().score;
     } catch (const InputError&) {
       p.score = 0.0;  // a chain that cannot be run at its start values is no candidate
     }

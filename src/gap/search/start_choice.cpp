@@ -18,9 +18,6 @@ namespace {
 
 using chain::Start;
 
-/// Of a search that scored all starts, what it leaves of whole records over what one that left some out leaves.
-constexpr double kStartsExplained = 0.5;
-
 bool any_begins_under_bias(const Experiments& train) {
   return std::any_of(train.begin(), train.end(), [](const Experiment& e) {
     const auto* time = std::get_if<TimeExperiment>(&e);
@@ -48,14 +45,13 @@ Tried tried(const Model& model, const Experiments& train, const SearchOptions& o
 
 /// search(); and where that leaves a start out, once more with all starts scored: what is missing may act there
 /// most (a slew limit in the first and largest turns). What that finds counts where no start stands out any more and far less is
-/// left of the whole records than a wrong start would explain.
+/// left of the whole records.
 SearchResult search_all(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
   auto found = search(base, train, options);
   if (found.stopped || found.late) return found;
   const Tried first = tried(found.final, train, options);
-  if (first.explains) return found;
-  const double enough = kStartsExplained * first.rms;
-  if (!(found.train_rms < enough)) return found;
+  const double enough = first.rms / options.contradicts;
+  if (first.explains || !(found.train_rms < enough)) return found;
   SearchOptions scored = options;
   scored.start_stands_out = std::numeric_limits<double>::infinity();
   auto again = search(base, train, scored);

@@ -85,7 +85,7 @@ Experiments stretches_of(const Experiments& train, const Model& model, const Str
     std::vector<double> left(whole->end(), 0.0);
     for (std::size_t i = whole->start(); i < left.size(); ++i)
       left[i] = record.y[i] - (runs ? output[i] : 0.0);
-    const std::size_t lead = std::max(whole->start(), options.min_lead);
+    const std::size_t lead = whole->start();
     const Part part = liveliest(left, lead, options.samples / train.size());
     auto stretch = stretch_of(*whole, part, lead);
     if (part.begin > 0 && runs && !is_settled_in(stretch, part, record, output, model))

@@ -6,8 +6,10 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "base/text.hpp"
 #include "gap/signs/chance.hpp"
@@ -17,13 +19,10 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Drives nearer to each other are the same.
-constexpr double kSameDrive = 1.05;
 /// The least change that is told, of the logarithm of a gain or of a peak's frequency.
 constexpr double kLeastChange = 0.005;
-/// A peak stands out by so much (ln) on both sides, and moves by this part of a step of the grid at the least.
-constexpr double kProminent = 0.3;
-constexpr double kMovedSteps = 0.3;
+/// A peak stands out by half of its power on both sides (ln of the gain).
+constexpr double kProminent = std::numbers::ln2 / 2.0;
 /// The change at the peak over that next to it, when it is the damping that changes; at the top of the band over that at its bottom, when it
 /// is there that the gain falls.
 constexpr double kAlone = 4.0;
@@ -35,6 +34,19 @@ const MeasuredResponse* with_drive(const Experiment& experiment) {
 
 double drive_of(const MeasuredResponse& record) {
   return median(record.drive_v);
+}
+
+/// Of the least and of the largest drive; null: no drive is known.
+std::pair<const MeasuredResponse*, const MeasuredResponse*> extremes(const Experiments& experiments) {
+  const MeasuredResponse* least = nullptr;
+  const MeasuredResponse* largest = nullptr;
+  for (const auto& e : experiments) {
+    const auto* record = with_drive(e);
+    if (record == nullptr) continue;
+    if (least == nullptr || drive_of(*record) < drive_of(*least)) least = record;
+    if (largest == nullptr || drive_of(*record) > drive_of(*largest)) largest = record;
+  }
+  return {least, largest};
 }
 
 /// ln |H| and phase without jumps, over ln f.
@@ -104,7 +116,7 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
   out.peak_at_largest_hz = std::exp(after->at);
   // Damping moves a peak, too.
   const double moved = after->at - before->at - (after->by_damping - before->by_damping);
-  if (std::abs(moved) > std::max(kLeastChange, kMovedSteps * before->step))
+  if (std::abs(moved) > std::max(kLeastChange, 0.5 * before->step))
     return moved < 0.0 ? AmplitudeClass::softening_stiffness : AmplitudeClass::hardening_stiffness;
   const auto peak =
       static_cast<std::size_t>(std::min_element(at.begin(), at.end(),
@@ -159,15 +171,8 @@ std::vector<std::string> suspects_of(AmplitudeClass kind) {
 }
 
 std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& experiments) {
-  const MeasuredResponse* least = nullptr;
-  const MeasuredResponse* largest = nullptr;
-  for (const auto& e : experiments) {
-    const auto* record = with_drive(e);
-    if (record == nullptr) continue;
-    if (least == nullptr || drive_of(*record) < drive_of(*least)) least = record;
-    if (largest == nullptr || drive_of(*record) > drive_of(*largest)) largest = record;
-  }
-  if (least == nullptr || drive_of(*largest) < kSameDrive * drive_of(*least)) return std::nullopt;
+  const auto [least, largest] = extremes(experiments);
+  if (least == nullptr || !(drive_of(*largest) > drive_of(*least))) return std::nullopt;
   const Logarithm small(*least);
   const Logarithm large(*largest);
   std::vector<double> at;
@@ -194,22 +199,22 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   out.change = std::sqrt(std::max(0.0, together) / n);
   out.times_noise = out.change / std::sqrt(std::max(0.0, energy - together) / n);
   // Of independent errors the sum of the products of neighbours has the deviation energy/sqrt(2n).
-  out.strength = together / (kAlike * energy / std::sqrt(2.0 * n));
+  out.strength = together / (kDeviations * energy / std::sqrt(2.0 * n));
   if (!(out.strength > 1.0) || out.change < kLeastChange) return std::nullopt;
   out.kind = class_of(small, large, at, gain, out);
   return out;
 }
 
 Experiments of_least_drive(const Experiments& experiments) {
-  double least = INFINITY;
-  for (const auto& e : experiments) {
-    if (const auto* record = with_drive(e)) least = std::min(least, drive_of(*record));
-  }
+  const auto [least, largest] = extremes(experiments);
+  if (least == nullptr) return experiments;
+  // Nearer to the least drive than to the largest one.
+  const double most = std::sqrt(drive_of(*least) * drive_of(*largest));
   Experiments out;
-  for (const auto& e : experiments) {
+  std::copy_if(experiments.begin(), experiments.end(), std::back_inserter(out), [&](const Experiment& e) {
     const auto* record = with_drive(e);
-    if (std::isinf(least) || (record != nullptr && drive_of(*record) < kSameDrive * least)) out.push_back(e);
-  }
+    return record != nullptr && drive_of(*record) <= most;
+  });
   return out;
 }
 

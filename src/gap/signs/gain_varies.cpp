@@ -10,9 +10,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Of few lines, slow gains make much by chance: there what they leave must be less, by odds this many times surrogates'
-/// best.
-constexpr double kGainTimesOdds = 4.0;
 /// Slow cosines of which the gain is made, the constant aside.
 constexpr Eigen::Index kCosines = 12;
 
@@ -42,15 +39,14 @@ Eigen::MatrixXd varying_gains(const std::vector<double>& output) {
 Sign gain_varies(const Leftover& record) {
   Sign sign{SignKind::gain_varies, 0.0};
   const Eigen::MatrixXd gains = varying_gains(record.output);
-  const auto share = [&](const std::vector<double>& residual) {
+  // What they take over what they leave: of few lines they take much by chance, and leave much.
+  const auto odds = [](double share) { return share / std::max(1.0 - share, 1e-6); };
+  const auto figure = [&](const std::vector<double>& residual) {
     const Eigen::VectorXd e = less_mean(residual);
-    return (gains.transpose() * e).squaredNorm() / std::max(e.squaredNorm(), 1e-300);
+    return odds((gains.transpose() * e).squaredNorm() / std::max(e.squaredNorm(), 1e-300));
   };
-  const double got = share(record.residual);
-  const Chance chance = on_surrogates(record.residual, share);
-  const auto odds = [](double part) { return part / std::max(1.0 - part, 1e-6); };
-  sign.strength = std::max(got / std::max(kLeastShare, chance.limit()),
-                           got < kLeastShare ? 0.0 : odds(got) / (kGainTimesOdds * odds(chance.max())));
+  const double least = std::max(odds(kLeastShare), chance_limit(record.residual, figure));
+  sign.strength = figure(record.residual) / least;
   return sign;
 }
 

@@ -30,7 +30,7 @@ double plainest_step(const std::vector<double>& v, std::size_t n) {
 Sign jumps(const Leftover& record) {
   const std::vector<double>& v = record.residual;
   const auto figure = [](const std::vector<double>& of) { return plainest_step(of, kSamplesEachSide); };
-  return {SignKind::jumps, figure(v) / on_surrogates(v, figure).limit()};
+  return {SignKind::jumps, figure(v) / chance_limit(v, figure)};
 }
 
 }  // namespace bodesmith::gap

@@ -30,7 +30,6 @@ std::string to_string(SignKind kind) {
                                  "a line stands in the residual's spectrum",
                                  "the residual jumps",
                                  "the gain varies with time",
-                                 "the residual holds a constant or a straight line",
                                  "neighbouring frequencies err alike",
                                  "single frequencies err far more than those around them",
                                  "the response depends on the drive",
@@ -48,8 +47,7 @@ std::vector<Sign> signs_of_structure(std::vector<Leftover> records) {
     if (!r.response.empty()) {
       for (const auto look : {smooth_over_frequency, stands_apart}) consider([&r, look] { return look(r); });
     } else {
-      for (const auto look : {jumps, gain_varies, spectral_line, straight_line})
-        consider([&r, look] { return look(r); });
+      for (const auto look : {jumps, gain_varies, spectral_line}) consider([&r, look] { return look(r); });
     }
   }
   std::vector<Sign> all(looks.size());

@@ -20,7 +20,6 @@ enum class SignKind {
   spectral_line,
   jumps,
   gain_varies,
-  straight_line,
   smooth_over_frequency,
   stands_apart,
   depends_on_amplitude,  ///< of responses at several drives
@@ -57,10 +56,6 @@ Sign smooth_over_frequency(const Leftover& record);
 
 /// Single points of a frequency response err far more than those around them (a narrow notch).
 Sign stands_apart(const Leftover& record);
-
-/// A constant or a straight line in it, as slow as red noise and by far too straight for it: the exact likelihood under red and
-/// white noise (signal/red_noise.hpp) says so.
-Sign straight_line(const Leftover& record);
 
 /// All signs that hold, strongest first: of each record alone, and of what all depend on. The records are all in time or all responses.
 std::vector<Sign> signs_of_structure(std::vector<Leftover> records);

@@ -15,9 +15,10 @@ namespace {
 constexpr std::size_t kWindowBins = 4;
 constexpr std::size_t kReach = 12;
 
-/// A point of a response stands apart when its energy is so many times that of the points around it. Of noise, the largest of a thousand
-/// over the mean of a dozen reaches 21 once in a thousand times.
-constexpr double kStandsApart = 60.0;
+/// What the energy of one point of noise over the mean of so many reaches as seldom as the other signs: (1 + x/n)^-n of them is greater
+/// than x.
+const double kStandsApart =
+    static_cast<double>(kReach) * std::expm1(kLogDeviations / static_cast<double>(kReach));
 
 /// Level around bin k: the larger of the means to both sides, so that a slope does not count. Nothing near the ends.
 std::optional<double> level_around(const std::vector<double>& power, std::size_t k) {
@@ -46,7 +47,7 @@ Sign spectral_line(const Leftover& record) {
   const auto power = periodogram(less_straight_line(record.residual), record.step_s).power;
   const double total = std::accumulate(power.begin(), power.end(), 0.0);
   // The largest of n bins of noise lies about ln n above their mean.
-  const double limit = 4.0 * (std::log(static_cast<double>(power.size())) + 3.0);
+  const double limit = std::log(static_cast<double>(power.size())) + kLogDeviations;
   for (std::size_t k = kWindowBins; k + kWindowBins < power.size(); ++k) {
     if (power[k] < power[k - 1] || power[k] < power[k + 1]) continue;
     const auto level = level_around(power, k);
@@ -82,7 +83,7 @@ Sign smooth_over_frequency(const Leftover& record) {
   }
   // Independent errors: the correlation of neighbours has the deviation 1/sqrt(2n).
   const double z = energy > 0.0 ? together / energy * std::sqrt(2.0 * static_cast<double>(n)) : 0.0;
-  return {SignKind::smooth_over_frequency, z / kAlike};
+  return {SignKind::smooth_over_frequency, z / kDeviations};
 }
 
 }  // namespace bodesmith::gap

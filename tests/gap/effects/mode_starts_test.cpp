@@ -32,7 +32,7 @@ TEST(ModeStarts, TheFirstIsTheModeThatIsMissing) {
   for (const double gain : {0.2, -0.05}) {
     for (const double scale : {1.0, 40.0}) {
       const auto scene = scene_of([&](double hz) { return scale * (1.0 + gain * mode(hz, 200.0, 0.03)); });
-      const gap::Starts starts = gap::mode_starts(scene, modes, 1.0);
+      const gap::Starts starts = gap::mode_starts(scene, modes);
       ASSERT_FALSE(starts.empty());
       EXPECT_NEAR(starts[0][0], 200.0, 2.0) << gain;
       EXPECT_EQ(starts[0][1], 0.03) << gain;
@@ -52,7 +52,7 @@ TEST(ModeStarts, GoByTheWeights) {
   auto scene =
       scene_of([](double hz) { return 1.0 + 0.1 * mode(hz, 100.0, 0.03) + 0.3 * mode(hz, 600.0, 0.01); });
   for (const Hertz f : scene.frequency) scene.weights.push_back(f.value > 400.0 ? 1e-6 : 1.0);
-  const gap::Starts starts = gap::mode_starts(scene, chain::make_block("parallel_modes"), 1.0);
+  const gap::Starts starts = gap::mode_starts(scene, chain::make_block("parallel_modes"));
   ASSERT_FALSE(starts.empty());
   EXPECT_NEAR(starts[0][0], 100.0, 2.0);
 }

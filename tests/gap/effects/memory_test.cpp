@@ -1,4 +1,4 @@
-// One loop, run along again and again, says nothing of the smaller ones inside it.
+// Of records that run along one loop again and again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +8,6 @@
 
 #include "gap/diagnosis.hpp"
 #include "gap/made_model.hpp"
-#include "gap/records/one_loop.hpp"
 
 namespace {
 
@@ -36,19 +35,6 @@ TimeRecord loops(double growth, unsigned seed) {
 
 chain::Chain line() {
   return model_of("[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = 0.0\nfree = [\"gain\", \"offset\"]\n");
-}
-
-bool is_one_loop(const std::vector<TimeRecord>& records) {
-  const gap::Model model(line());
-  gap::Experiments experiments;
-  for (const auto& r : records) experiments.emplace_back(gap::TimeExperiment(r));
-  return gap::is_one_loop(gap::make_scene(model, experiments), 0);
-}
-
-TEST(OneLoop, IsOneRecordOfOneSize) {
-  EXPECT_TRUE(is_one_loop({loops(0.0, 1)}));
-  EXPECT_FALSE(is_one_loop({loops(0.7, 1)}));
-  EXPECT_FALSE(is_one_loop({loops(0.0, 1), loops(0.0, 2)}));
 }
 
 /// The sine through `at` of a sample's time and input, and noise.

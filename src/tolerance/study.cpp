@@ -209,7 +209,8 @@ Result run_monte_carlo(const Design& design, const Options& options, const Team&
 
 std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& options, double limit_db) {
   Options trial = options;
-  trial.samples = 4096;
+  trial.samples =
+      std::min<std::uint64_t>(options.samples, 4096);  // more tell no tolerance from its neighbour
   trial.checkpoint.clear();
   trial.progress = nullptr;
   std::vector<Purchase> out;

@@ -103,8 +103,8 @@ struct Purchase {
   double worst_db_95 = 0.0;
   bool meets = false;
 };
-/// What to buy so that 95 % of the circuits stay within limit_db; cheapest (largest tolerances) first among
-/// those that meet it.
+/// What to buy so that 95 % of the circuits (options.samples, 4096 at most) stay within limit_db; cheapest (largest tolerances)
+/// first among those that meet it.
 std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& options, double limit_db);
 
 /// Everything that the counts depend on besides samples and seed: identifies a checkpoint (Options::job).

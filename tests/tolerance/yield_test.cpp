@@ -270,7 +270,7 @@ TEST(Yield, AForeignCheckpointIsPassedOver) {
 }
 
 TEST(Yield, ToleranceToBuyMeetsTheLimit) {
-  Options options = small();
+  Options options = small(2000);
   const Design design = seed_design();
   const auto buy = tolerances_to_buy(design, options, 0.5);
   ASSERT_FALSE(buy.empty());
@@ -278,6 +278,7 @@ TEST(Yield, ToleranceToBuyMeetsTheLimit) {
   options.spread.resistor_percent = buy[0].resistor_percent;
   options.spread.capacitor_percent = buy[0].capacitor_percent;
   EXPECT_LT(run_monte_carlo(design, options, Team()).worst_db.quantile(0.95), 0.52);
+  options.samples = 50;
   for (const Purchase& one : tolerances_to_buy(design, options, 1e-3)) EXPECT_FALSE(one.meets);
 }
 

@@ -8,7 +8,7 @@ build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libsu
 # libopenmpi-dev, openmpi-bin: yield under mpirun, which is optional;
 # python3-*, pybind11-dev: the Python package and its tests; python3-jsonschema, mandoc, pkg-config: schemas, manual, installed library.
 check_packages=(ngspice libgtest-dev libgmock-dev libopenmpi-dev openmpi-bin chromium
-  python3-dev python3-numpy python3-pytest python3-matplotlib pybind11-dev python3-jsonschema mandoc pkg-config)
+  python3-dev python3-numpy python3-pytest pybind11-dev python3-jsonschema mandoc pkg-config)
 
 install_missing() {
   local missing=() package

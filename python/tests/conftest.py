@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import pathlib
@@ -10,10 +11,14 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+import stand_in_matplotlib
 
 import bodesmith as bs
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+if importlib.util.find_spec("matplotlib") is None:
+    stand_in_matplotlib.install()
 
 
 @pytest.fixture(scope="session")

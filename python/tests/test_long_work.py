@@ -15,7 +15,8 @@ import bodesmith as bs
 SECTIONS = bs.design("lowpass", order=4, corner_hz=1000.0)
 
 CHILD = """
-import threading, time, bodesmith as bs
+import signal, bodesmith as bs
+signal.signal(signal.SIGINT, signal.default_int_handler)  # whatever started the tests may ignore it
 sections = bs.design("lowpass", order=4, corner_hz=1000.0)
 def say(fraction):
     print("begun", flush=True)

@@ -7,22 +7,18 @@ import pytest
 
 import bodesmith as bs
 
-pytest.importorskip("matplotlib", reason="matplotlib is not installed")
-
 
 def first_line(figure, axes=0):
     return figure.axes[axes].get_lines()[0].get_xydata()
 
 
-def test_bode_plot_shows_the_responses(cascade, sections, tmp_path):
+def test_bode_plot_shows_the_responses(cascade, sections):
     f = np.geomspace(1, 100, 20)
     figure = bs.plot_bode(cascade, sections, frequency_hz=f)
     assert first_line(figure)[:, 1] == pytest.approx(cascade.at(f).magnitude_db)
     assert first_line(figure, 1)[:, 1] == pytest.approx(cascade.at(f).phase_deg)
     assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["cascade", "sections"]
     assert figure._repr_png_().startswith(b"\x89PNG")
-    figure.savefig(tmp_path / "bode.svg")
-    assert (tmp_path / "bode.svg").stat().st_size > 5000
 
 
 def test_results_draw_themselves(cascade, sections, plan, points, disturbance):

@@ -140,7 +140,7 @@ TEST(ApproximationMethods, EveryOrderIsRightOrRefused) {
   for (const Method* method : method_registry().all()) {
     for (const double kappa : {1.05, 10.0, 1e5}) {
       for (const double beta : {-3.4, -1.0, 0.01, 0.5, 0.99, 2.0}) {
-        for (int order = 1; order <= 12; ++order) {
+        for (const int order : {1, 2, 3, 4, 7, 12}) {
           try {
             const auto made = make(std::string(method->name()), kappa, beta, order);
             int poles = 0;

@@ -59,7 +59,7 @@ TEST(Minimax, AlternatesAsOftenAsChebyshevsTheoremAsks) {
     options.over_band = over_band;
     for (const double kappa : {1.05, 10.0, 1e6}) {
       for (const double beta : {0.1, 0.93, 1.2, 1.9}) {
-        for (const int order : {2, 5, 8}) {
+        for (const int order : {2, 7}) {
           // Too few poles for 1 < beta < 2 between the corners of a wide term.
           if (over_band && beta > 1.0 && kappa > 100.0) continue;
           const auto heights = alternation(

@@ -34,11 +34,9 @@ bool has_the_right_one(const Diagnosis& d, const BuiltBoard& board) {
 TEST(BlindBoards, GoodOnesAreNotAccused) {
   if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const synthesis::Circuit circuit = small_circuit();
-  for (const std::uint64_t seed : {21u, 22u}) {
-    Random random(seed);
-    const BuiltBoard board = good_board(circuit, 1.0, 1.0, random);
-    EXPECT_EQ(diagnosed_board(circuit, board, random).verdict, Verdict::nothing_wrong) << seed;
-  }
+  Random random(21);
+  const BuiltBoard board = good_board(circuit, 1.0, 1.0, random);
+  EXPECT_EQ(diagnosed_board(circuit, board, random).verdict, Verdict::nothing_wrong);
 }
 
 TEST(BlindBoards, DrawnFaultsAreFound) {

@@ -32,7 +32,7 @@ const fpaa::Plan& small_plan() {
 }
 
 Diagnosis diagnosed_plan(const fpaa::Plan& built, std::uint64_t seed) {
-  const std::vector<Hertz> grid = log_grid({Hertz{10.0}, Hertz{1500.0}}, 20);
+  const std::vector<Hertz> grid = log_grid({Hertz{10.0}, Hertz{1500.0}}, 12);
   const fpaa::SwitchedBoard exact(built);
   std::vector<std::complex<double>> response;
   for (const Hertz f : grid) response.push_back(exact.gain(f.rad_s()));

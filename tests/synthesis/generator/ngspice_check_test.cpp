@@ -86,9 +86,9 @@ TEST(DisturbanceLibrary, AmplitudeGainsStaticAndAt5Kilohertz) {
   Disturbance wanted;
   wanted.ascending = {0.3546, -0.6433, 0.2887};
   wanted.descending = {-0.2398, 0.0838, 0.156};
-  wanted.amplitude.alpha = {0.1, 0.3, 0.6, 1.0};
-  wanted.amplitude.ascending = {0.1, 0.4, 0.65, 1.0};
-  wanted.amplitude.descending = {0.15, 0.25, 0.7, 1.0};
+  wanted.amplitude.alpha = {0.1, 0.3, 1.0};
+  wanted.amplitude.ascending = {0.1, 0.4, 1.0};
+  wanted.amplitude.descending = {0.15, 0.25, 1.0};
   const DisturbanceCheck check = check_disturbance(make_layout(wanted), {Hertz{5000}});
   EXPECT_LT(check.static_percent, 0.15);
   EXPECT_LT(check.static_against_program, 0.02);

@@ -179,8 +179,11 @@ void add_slow_options(CommandLine& line) {
 }
 
 fpaa::SlowParts read_slow_parts(const CommandLine& line) {
-  return fpaa::SlowParts::given(line.maybe_positive("opamp-bandwidth-hz"), line.positive("opamp-gain"),
-                                line.maybe_positive("switch-ohm"), read_noise_model(line).unit_capacitance_f);
+  const std::optional<double> bandwidth_hz = line.maybe_positive("opamp-bandwidth-hz");
+  // Without a bandwidth it is not read, and refused where it was given.
+  const double gain = bandwidth_hz ? line.positive("opamp-gain") : 0.0;
+  return fpaa::SlowParts::given(bandwidth_hz, gain, line.maybe_positive("switch-ohm"),
+                                read_noise_model(line).unit_capacitance_f);
 }
 
 void add_noise_options(CommandLine& line) {

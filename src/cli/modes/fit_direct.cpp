@@ -62,6 +62,7 @@ DirectFitOptions read_direct_options(const CommandLine& line, Provenance& from) 
   options.relative_degree = line.get<int>("relative-degree");
   options.use_phase = line.has("phase");
   options.min_damping = line.positive("least-damping");
+  if (options.min_damping > 1.0) line.fail("--least-damping is above 1, where no pair is complex");
   options.seed = line.seed_value();
   if (const auto seconds = line.maybe_positive("max-seconds")) options.deadline = Deadline(*seconds);
   if (const auto corner = line.maybe_positive("max-corner-hz")) options.max_corner = Hertz{*corner};

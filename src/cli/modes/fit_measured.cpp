@@ -61,8 +61,10 @@ void add_measured_options(CommandLine& line) {
 
 int fit_to_measurement(const CommandLine& line) {
   MeasuredFitOptions options;
-  if (line.has("order")) options.order = line.integer("order", 1, 60);
-  options.max_order = line.integer("highest-order", 1, 60);
+  if (line.has("order"))
+    options.order = line.integer("order", 1, 60);
+  else
+    options.max_order = line.integer("highest-order", 1, 60);
   options.delay = !line.has("no-delay");
   const std::optional<double> limit = line.maybe_positive("max-error-db");
   Provenance from;

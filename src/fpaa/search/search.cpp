@@ -133,6 +133,8 @@ class ChainSearch {
  private:
   Refusal nothing() const {
     std::string at = "no chain of the board's stages makes these sections";
+    if (options_.lowest_clock)
+      at += fmt::format(" at clocks of {} Hz and more", rounded_text(options_.lowest_clock->value));
     if (options_.clock) {
       at = fmt::format(
           "no chain of AnadigmDesigner2's CAMs makes these sections at a clock of {} Hz, expected another clock (or "

@@ -126,6 +126,14 @@ TEST_F(HardInputs, AbsurdNumbersAreAnswered) {
                       "/examples/papers/printed_cascade.json --method pade --over-band -o " +
                       at("s.json")),
               HasSubstr("--over-band does nothing with what is asked for here"));
+  EXPECT_THAT(refusal("fpaa " + at("a.json") + " --opamp-gain 100 -o " + at("board")),
+              HasSubstr("--opamp-gain does nothing"));
+  EXPECT_THAT(refusal("fpaa " + at("a.json") + " --min-clock-hz 1e9 -o " + at("board")),
+              HasSubstr("at clocks of 1e+09 Hz and more"));
+  EXPECT_THAT(refusal("fit " BODESMITH_SOURCE_DIR
+                      "/examples/nanopositioner/gains.csv --direct --order 2 --least-damping 2 -o " +
+                      at("s.json")),
+              HasSubstr("--least-damping is above 1"));
   EXPECT_THAT(refusal("fpaa " + at("a.json") + " --switch-ohm 1e12 -o " + at("board")),
               HasSubstr("does not settle"));
   write("loop.json", R"({"schema": "bodesmith.disturbance/1",

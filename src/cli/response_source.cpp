@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <numbers>
 
 #include "base/documents/document.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "chain/model_file.hpp"
 #include "cli/shared_options.hpp"
 #include "fpaa/plan/plan.hpp"
@@ -39,9 +43,49 @@ LevelAndPhase require_numbers(LevelAndPhase curves, const std::string& stem, con
   return curves;
 }
 
+/// The curves at these frequencies, the phase unwrapped over as many between them as it takes: some 50 to a decade, and halvings
+/// wherever it still turns by more than a sixth of a turn at once.
+LevelAndPhase curves_of(const Evaluate& evaluate, const std::vector<Hertz>& grid) {
+  constexpr double kLargestStep = 0.046;  // of ln f
+  constexpr int kHalvings = 12;
+  struct Known {
+    Complex value;
+    std::size_t place = 0;
+  };
+  std::map<double, Known> all;
+  std::vector<Hertz> fresh = grid;
+  for (std::size_t i = 1; i < grid.size(); ++i) {
+    const double apart = std::log(grid[i].value / grid[i - 1].value);
+    const int pieces = whole_number(std::ceil(apart / kLargestStep), 1);
+    for (int k = 1; k < pieces; ++k) fresh.push_back({grid[i - 1].value * std::exp(apart * k / pieces)});
+  }
+  for (int round = 0; round <= kHalvings && !fresh.empty(); ++round) {
+    const auto values = evaluate(fresh);
+    for (std::size_t i = 0; i < fresh.size(); ++i) all[fresh[i].value].value = values[i];
+    fresh.clear();
+    for (auto a = all.begin(), b = std::next(a); b != all.end(); a = b++) {
+      if (std::abs(std::arg(b->second.value / a->second.value)) > std::numbers::pi / 3.0)
+        fresh.push_back({std::sqrt(a->first * b->first)});
+    }
+  }
+  std::vector<Complex> values;
+  for (auto& [f, known] : all) {
+    known.place = values.size();
+    values.push_back(known.value);
+  }
+  const LevelAndPhase curves = level_and_phase(values);
+  LevelAndPhase out;
+  for (const Hertz f : grid) {
+    const std::size_t place = all.at(f.value).place;
+    out.magnitude_db.push_back(curves.magnitude_db[place]);
+    out.phase_deg.push_back(curves.phase_deg[place]);
+  }
+  return out;
+}
+
 void set_evaluation(ResponseSource& source, Evaluate evaluate) {
   source.on_grid = [evaluate, stem = source.stem](const std::vector<Hertz>& grid) {
-    return require_numbers(level_and_phase(evaluate(grid)), stem, grid);
+    return require_numbers(curves_of(evaluate, grid), stem, grid);
   };
   source.response = std::move(evaluate);
 }

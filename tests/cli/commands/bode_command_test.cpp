@@ -130,6 +130,18 @@ TEST_F(BodeCommand, ASeriesAddsDecibelsAndDegrees) {
   EXPECT_EQ(run_bodesmith("bode --series " + at("a.json")).status, 2);
 }
 
+// Of what is known by its values alone: (1/(1 + s/1000))^8 below 1 MHz, turning by two turns between neighbouring points.
+TEST_F(BodeCommand, ThePhaseTurnsWhateverTheGrid) {
+  const std::string lag = R"({"lambda_s": 0.001, "x": 1e-9, "beta": -8})";
+  write_file(at("c.json"), R"({"schema": "bodesmith.cascade/1", "gain": 1.0, "terms": [)" + lag + "]}");
+  summary("c.json --from-hz 0.01 --to-hz 1e6 --count 3");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double wanted =
+        -8.0 * std::atan(table().column("frequency_hz")[i] / kCorner) * 180.0 / std::numbers::pi;
+    EXPECT_NEAR(table().column("c_phase_deg")[i], wanted, 0.01);
+  }
+}
+
 TEST_F(BodeCommand, MarginsAreSaidWhereThereAreSome) {
   EXPECT_THAT(
       said("a.json --margins"),

@@ -233,18 +233,19 @@ simulate::ReferenceSpec read_reference_options(const CommandLine& line, const st
   simulate::ReferenceSpec spec;
   spec.kind = kind;
   spec.frequency = Hertz{line.positive("frequency-hz")};
-  spec.last = Hertz{line.positive("last-hz")};
   spec.amplitude = line.positive("amplitude");
+  // What a kind has none of is not read, and refused where it was given.
+  const bool wide = kind == "chirp" || kind == "multisine";
+  if (wide) spec.last = Hertz{line.positive("last-hz")};
+  if (kind == "stair" || kind == "steps") spec.steps = line.get<int>("steps");
   spec.offset = line.maybe<double>("offset").value_or(spec.amplitude);
   const double period = 1.0 / simulate::fundamental_of(spec).value_or(spec.frequency).value;
   const bool periods = usual == UsualLength::periods;
   spec.duration_s = line.maybe_positive("duration-s").value_or(periods ? kPeriods * period : 1.0);
-  const bool wide = kind == "chirp" || kind == "multisine";
   const double step = wide
                           ? std::min(period / kSamplesAPeriod, 1.0 / (kSamplesOfTheHighest * spec.last.value))
                           : period / kSamplesAPeriod;
   spec.step_s = line.maybe_positive("step-s").value_or(periods ? step : 1e-3);
-  spec.steps = line.get<int>("steps");
   spec.seed = line.seed_value();
   return spec;
 }

@@ -163,6 +163,8 @@ TEST_F(HardInputs, AbsurdNumbersAreAnswered) {
               HasSubstr("--bandwidth-hz is 1e+308, expected 1e-6 to 1e9 Hz"));
   EXPECT_THAT(refusal("fpaa " + at("a.json") + " --unit-capacitance-f 1e308 -o " + at("board")),
               HasSubstr("expected 1e-18 to 1e-6 F"));
+  EXPECT_THAT(refusal("simulate " + at("m.toml") + " --reference sine --steps 5 -o " + at("y.csv")),
+              HasSubstr("--steps does nothing with what is asked for here"));
   EXPECT_THAT(refusal("simulate " + at("m.toml") + " --reference sine --duration-s 1e308 -o " + at("y.csv")),
               HasSubstr("a reference of 1e+308 s in steps of 0.001 s, expected 2 to 50 million samples"));
 }

@@ -40,16 +40,6 @@ const Ranked* runner_up_of(const Step& step) {
 
 namespace {
 
-DiagnosedStep describe(const Step& step, const GapMeter& meter) {
-  DiagnosedStep s;
-  s.effect = step.effect->told();
-  s.tied_with = step.tied_with;
-  s.placed = step.placed;
-  s.also_placed = step.also_placed;
-  s.after = meter.size(step.after);
-  return s;
-}
-
 /// What the candidates leave of the held-out records, for the tables.
 void look_at_holdout(std::vector<Ranked>& ranking, const Experiments& holdout) {
   parallel_for(ranking.size(), allowed_threads(),
@@ -138,12 +128,16 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.refitted = meter.size(d.search.base);
   d.final = meter.size(d.search.final);
   d.floor = d.search.floor;
-  for (const auto& s : d.search.steps) d.steps.push_back(describe(s, meter));
-  if (!d.steps.empty()) d.steps.back().after = d.final;
   auto parameters = found_parameters(d.search.final, searched);
-  for (std::size_t k = 0; k < parameters.size() && k < d.steps.size(); ++k) {
-    d.steps[k].parameters = std::move(parameters[k]);
-    d.steps[k].part = d.search.final.terms()[k].part;
+  for (std::size_t k = 0; k < d.search.steps.size(); ++k) {
+    const Step& step = d.search.steps[k];
+    d.steps.push_back({.effect = std::string(step.effect->told()),
+                       .tied_with = step.tied_with,
+                       .placed = step.placed,
+                       .also_placed = step.also_placed,
+                       .part = d.search.final.terms()[k].part,
+                       .parameters = std::move(parameters[k]),
+                       .after = k + 1 < d.search.steps.size() ? meter.size(step.after) : d.final});
   }
   d.where = meter.where(d.search.initial);
   d.remaining_where = meter.where(d.search.final);

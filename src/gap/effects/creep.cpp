@@ -16,8 +16,7 @@ namespace {
 constexpr int kOfDecade = 3;
 
 /// y = u + c sum over decades of relaxations, equally strong at every time constant between two: after a step
-/// c log10(t) (J. F. Curie's law; K. Kuhnen, 2003). In a response, where free relaxations are more than it tells, the
-/// strength and the fastest one are its only unknowns; or the slowest one too.
+/// c log10(t) (J. F. Curie's law; K. Kuhnen, 2003).
 void write_logarithmic(chain::Block& block, int count, double gain_per_decade, double fastest_s,
                        double slowest_s) {
   const double decades = std::log10(slowest_s / fastest_s);
@@ -28,26 +27,22 @@ void write_logarithmic(chain::Block& block, int count, double gain_per_decade, d
       .set("gains", std::vector<double>(times.size(), gain_per_decade * decades / count));
 }
 
-void propose_logarithmic(const Scene& scene, std::size_t at, double fast, double slow, bool slowest_free,
-                         std::vector<Proposal>& out) {
+Proposal logarithmic(const Scene& scene, std::size_t at, double fast, double slow) {
   const int count = kOfDecade * whole_number<int>(std::ceil(std::log10(slow / fast)), 1, 20);
   auto block = chain::make_block("creep");
   const std::vector<double> zeros(static_cast<std::size_t>(count), 0.0);
   block.set("gains", zeros).set("time_constants_s", std::vector<double>(zeros.size(), slow));
-  std::vector<Unknown> unknowns = {linear_unknown("gain_per_decade", 0.0, 1.0, 0.05),
-                                   logarithmic_unknown("fastest_s", 0.3 * fast, 0.5 * slow)};
-  if (slowest_free) unknowns.push_back(logarithmic_unknown("slowest_s", 2.0 * fast, slow));
   Starts starts;
-  for (const auto& [from, to] : {std::pair(0.2, 0.55), std::pair(0.5, 0.85), std::pair(0.15, 0.85)}) {
-    starts.push_back({0.02, fast * std::pow(slow / fast, from)});
-    if (slowest_free) starts.back().push_back(fast * std::pow(slow / fast, to));
-  }
-  out.push_back(insert_block(scene, at, block, unknowns, starts,
-                             [count, slow](chain::Block& b, std::span<const double> v) {
-                               // The order may be lost on the way of a fit.
-                               const double last = v.size() > 2 ? std::max(v[2], 1.01 * v[1]) : slow;
-                               write_logarithmic(b, count, v[0], v[1], last);
-                             }));
+  for (const auto& [from, to] : {std::pair(0.2, 0.55), std::pair(0.5, 0.85), std::pair(0.15, 0.85)})
+    starts.push_back({0.02, fast * std::pow(slow / fast, from), fast * std::pow(slow / fast, to)});
+  return insert_block(scene, at, block,
+                      {linear_unknown("gain_per_decade", 0.0, 1.0, 0.05),
+                       logarithmic_unknown("fastest_s", 0.3 * fast, 0.5 * slow),
+                       logarithmic_unknown("slowest_s", 2.0 * fast, slow)},
+                      starts, [count](chain::Block& b, std::span<const double> v) {
+                        // The order may be lost on the way of a fit.
+                        write_logarithmic(b, count, v[0], v[1], std::max(v[2], 1.01 * v[1]));
+                      });
 }
 
 void propose_creep(const Scene& scene, std::vector<Proposal>& out) {
@@ -65,8 +60,7 @@ void propose_creep(const Scene& scene, std::vector<Proposal>& out) {
         scene, at, one,
         {linear_unknown("gains[0]", 0.0, 1.0, 0.05), logarithmic_unknown("time_constants_s[0]", fast, slow)},
         starts));
-    if (scene.frequency_only) propose_logarithmic(scene, at, fast, slow, false, out);
-    propose_logarithmic(scene, at, fast, slow, true, out);
+    out.push_back(logarithmic(scene, at, fast, slow));
     auto many = chain::make_block("creep");
     const std::size_t count = 8;
     std::vector<double> times;

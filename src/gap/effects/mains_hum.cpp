@@ -26,40 +26,35 @@ double alias_of(double hz, double rate_hz) {
 struct Line {
   double nominal_hz = 0.0;
   double hz = 0.0;
-  double amplitude = 0.0;
+  double amplitude = 0.0;  ///< of any unit
 };
 
-/// The spectrum of the residual less its drift, fine enough for lines between the record's own frequencies.
-class FineSpectrum {
- public:
-  explicit FineSpectrum(const Scene& scene) : rate_hz_(1.0 / scene.step_s) {
-    auto padded = less_straight_line(scene.residual);
-    padded.resize(smooth_length(2 * padded.size()), 0.0);
-    bin_hz_ = rate_hz_ / static_cast<double>(padded.size());
-    for (const auto& value : half_spectrum(padded)) amplitude_.push_back(std::abs(value));
-  }
-  /// The largest line within the grid's tolerance of a nominal frequency.
-  Line largest_near(double nominal_hz) const {
-    Line best{nominal_hz, nominal_hz, -1.0};
-    const int count = whole_number<int>(std::floor(kTolerance * nominal_hz / bin_hz_));
-    for (int k = -count; k <= count; ++k) {
-      const double hz = nominal_hz + bin_hz_ * k;
-      const double amplitude = amplitude_[bin_of(hz)];
-      if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude};
+/// Of each harmonic of either mains the largest line within the grid's tolerance of it; the lower harmonic first.
+std::vector<Line> lines_of(const Scene& scene) {
+  const double rate_hz = 1.0 / scene.step_s;
+  // Without its drift, and fine enough for lines between the record's own frequencies.
+  auto padded = less_straight_line(scene.residual);
+  padded.resize(smooth_length(2 * padded.size()), 0.0);
+  const auto bins = half_spectrum(padded);
+  const double bin_hz = rate_hz / static_cast<double>(padded.size());
+  std::vector<Line> lines;
+  for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
+    for (const double mains : {50.0, 60.0}) {
+      const double nominal_hz = mains * harmonic;
+      const double seen = alias_of(nominal_hz, rate_hz);
+      if (std::min(seen, 0.5 * rate_hz - seen) * scene.duration_s < kMinCycles) continue;
+      Line& best = lines.emplace_back(Line{nominal_hz, nominal_hz, -1.0});
+      const int count = whole_number<int>(std::floor(kTolerance * nominal_hz / bin_hz));
+      for (int k = -count; k <= count; ++k) {
+        const double hz = nominal_hz + bin_hz * k;
+        const auto bin = whole_number<std::size_t>(alias_of(hz, rate_hz) / bin_hz + 0.5);
+        const double amplitude = std::abs(bins[std::min(bin, bins.size() - 1)]);
+        if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude};
+      }
     }
-    return best;
   }
-
- private:
-  std::size_t bin_of(double hz) const {
-    const auto bin = whole_number<std::size_t>(alias_of(hz, rate_hz_) / bin_hz_ + 0.5);
-    return std::min(bin, amplitude_.size() - 1);
-  }
-
-  double rate_hz_;
-  double bin_hz_;
-  std::vector<double> amplitude_;  ///< of any unit
-};
+  return lines;
+}
 
 Proposal with_line(const Scene& scene, const Line& line) {
   Model model = *scene.model;
@@ -81,21 +76,11 @@ Proposal with_line(const Scene& scene, const Line& line) {
 /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
 /// its alias), its size and phase each record's own.
 void propose_mains_hum(const Scene& scene, std::vector<Proposal>& out) {
-  std::vector<Line> lines;
-  const double rate = 1.0 / scene.step_s;
-  const FineSpectrum spectrum(scene);
-  for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
-    for (double mains : {50.0, 60.0}) {
-      const double hz = mains * harmonic;
-      const double seen = alias_of(hz, rate);
-      if (seen * scene.duration_s < kMinCycles || (0.5 * rate - seen) * scene.duration_s < kMinCycles)
-        continue;
-      lines.push_back(spectrum.largest_near(hz));
-    }
-  }
+  auto lines = lines_of(scene);
   // Of harmonics that sampling folds to one place the lower one is likelier.
   std::stable_sort(lines.begin(), lines.end(),
                    [](const Line& a, const Line& b) { return a.amplitude > b.amplitude; });
+  const double rate = 1.0 / scene.step_s;
   const auto near = [&](const Line& a, const Line& b) {
     return std::abs(alias_of(a.hz, rate) - alias_of(b.hz, rate)) * scene.duration_s < kMinCycles;
   };

@@ -24,8 +24,9 @@ void propose_in_response(const Scene& scene, std::vector<Proposal>& out) {
   }
 }
 
-/// The staircase tells the clock.
+/// A held signal lags by half a clock on the average; that, and the staircase itself, tell the clock.
 void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
+  const double lag_s = mean_lag_s(scene);
   const std::vector<std::size_t> places = scene.static_places();
   const RedNoise noise = places.empty() ? RedNoise() : most_likely_red_noise({scene.residual});
   std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
@@ -34,7 +35,11 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
     const bool half = i % 2 == 1;
     found[i] = clocks_of_hold(scene, at, half);
     const auto add = [&](const Starts& more) { found[i].insert(found[i].end(), more.begin(), more.end()); };
-    add(clocks_of_hold(scene, at, half, noise));
+    add(clocks_of_hold(scene, at, half, 0.0, noise));
+    if (!(lag_s > 0.0)) return;
+    const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
+    add({{guess}});
+    add(clocks_of_hold(scene, at, half, guess));
   });
   for (std::size_t i = 0; i < found.size(); ++i) {
     Starts& starts = found[i];

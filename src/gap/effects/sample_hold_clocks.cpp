@@ -53,15 +53,16 @@ struct Likeness {
   double value() const { return along > 0.0 && size > 0.0 ? along * along / size : 0.0; }
 };
 
-/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less their own mean lag, which free corners of the model may
-/// have taken over. The signal is a sample longer; every edge is worked out anew, since a branch that tells where one is costs more.
+/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less the signal, or less their own mean lag. The signal is a
+/// sample longer; every edge is worked out anew, since a branch that tells where one is costs more.
 double likeness_to_stairs(const std::vector<double>& signal, const std::vector<double>& residual, bool half,
-                          double clock, std::size_t from, std::size_t n) {
+                          bool with_lag, double clock, std::size_t from, std::size_t n) {
   const double cycle = 1.0 / clock;
   const double late = half ? 0.5 * cycle : 0.0;
   const double lag = 0.5 * cycle + late;
   const auto first = whole_number<std::size_t>(std::ceil(lag));
-  const double share = static_cast<double>(first) - lag;
+  const std::size_t shift = with_lag ? 0 : first;
+  const double share = with_lag ? 0.0 : static_cast<double>(first) - lag;
   const auto between = [&](std::size_t k, double part) {
     return signal[k] + part * (signal[k + 1] - signal[k]);
   };
@@ -71,7 +72,7 @@ double likeness_to_stairs(const std::vector<double>& signal, const std::vector<d
     const double edge = cycle * static_cast<double>(below((static_cast<double>(i) - late) * clock));
     const std::int64_t k = below(edge);
     const double held = between(static_cast<std::size_t>(k), edge - static_cast<double>(k));
-    likeness.add(residual[i], held - between(i - first, share));
+    likeness.add(residual[i], held - between(i - shift, share));
   }
   return likeness.value();
 }
@@ -105,22 +106,28 @@ std::vector<ScoredClock> likely_fast_clocks(const std::vector<double>& signal,
   return found;
 }
 
-/// Clocks whose stairs of a signal the residual is like, best first.
+/// Clocks whose stairs of a signal the residual is like, best first; above 0: lag and all, around `guess_hz`.
 Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const std::vector<double>& residual,
-                        bool half) {
+                        bool half, double guess_hz) {
   signal.push_back(signal.back());
   const double h = scene.step_s;
+  const bool with_lag = guess_hz > 0.0;
   const auto likeness = [&](double f, std::size_t n) {
-    return likeness_to_stairs(signal, residual, half, f * h, n / 10, n);
+    return likeness_to_stairs(signal, residual, half, with_lag, f * h, n / 10, n);
   };
   const std::size_t last = residual.size();
   std::size_t length = std::min(last, kFirstLook);
-  const double low_hz = std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h));
+  const double low_hz =
+      with_lag ? 0.5 * guess_hz : std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h));
+  const double high_hz = with_lag ? 2.2 * guess_hz : kFastestClock / h;
   double spacing = 1.0 / (kFinerClocks * static_cast<double>(length) * h);
   std::vector<ScoredClock> scored;
-  for (double f = low_hz; f < kFastClock / h; f += spacing) scored.emplace_back(likeness(f, length), f);
-  for (const auto& [sum, clock] : likely_fast_clocks(signal, residual, half, low_hz * h, length))
-    scored.emplace_back(likeness(clock / h, length), clock / h);
+  const double one_by_one_hz = with_lag ? high_hz : std::min(high_hz, kFastClock / h);
+  for (double f = low_hz; f < one_by_one_hz; f += spacing) scored.emplace_back(likeness(f, length), f);
+  if (!with_lag) {
+    for (const auto& [sum, clock] : likely_fast_clocks(signal, residual, half, low_hz * h, length))
+      scored.emplace_back(likeness(clock / h, length), clock / h);
+  }
   for (bool finely = false; !scene.is_late(); finely = true) {
     keep_best(scored, 1.0 / (static_cast<double>(length) * h));
     if (finely && length == last) return starts_of(scored);
@@ -138,9 +145,48 @@ Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const st
   return {};
 }
 
+/// Mean square of the measured output less the model's, `lag` samples later.
+double distance_at_lag(const Scene& scene, std::size_t lag) {
+  const auto& y = scene.boundary.back().values;
+  double sum = 0.0;
+  for (std::size_t i = lag; i < y.size(); ++i) {
+    const double e = y[i] + scene.residual[i] - y[i - lag];
+    sum += e * e;
+  }
+  return sum / static_cast<double>(y.size() - lag);
+}
+
+/// Less than a sample or two: from the residual's likeness to the slope.
+double lag_by_slope_s(const Scene& scene) {
+  const auto& y = scene.boundary.back().values;
+  double rs = 0.0;
+  double ss = 0.0;
+  for (std::size_t i = 1; i + 1 < y.size(); ++i) {
+    const double slope = (y[i + 1] - y[i - 1]) / (2.0 * scene.step_s);
+    rs -= scene.residual[i] * slope;
+    ss += slope * slope;
+  }
+  return ss > 0.0 ? std::max(0.0, rs / ss) : 0.0;
+}
+
 }  // namespace
 
-Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, const RedNoise& noise) {
+double mean_lag_s(const Scene& scene) {
+  std::size_t best = 0;
+  double min_distance = distance_at_lag(scene, 0);
+  const auto cycle = whole_number<std::size_t>(1.0 / (scene.band_hz * scene.step_s)) + 2;
+  const auto max_lag = std::min(scene.residual.size() / 8, cycle);
+  for (std::size_t lag = 1; lag <= max_lag; ++lag) {
+    const double d = distance_at_lag(scene, lag);
+    if (d < min_distance) {
+      min_distance = d;
+      best = lag;
+    }
+  }
+  return best < 2 ? lag_by_slope_s(scene) : static_cast<double>(best) * scene.step_s;
+}
+
+Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz, const RedNoise& noise) {
   const bool white = noise.driving_variance > 0.0;
   // A curve or a memory passes stairs on much as they are.
   chain::Chain behind;
@@ -148,7 +194,7 @@ Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, const RedNo
     if (scene.linear(k)) behind.blocks.push_back(scene.model->at(k));
   }
   if (behind.blocks.empty() && !white)
-    return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half);
+    return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half, guess_hz);
   // <W r, W H stairs> = <H* W* W r, stairs>, W the filter that makes the residual white: what is behind runs once, from its end.
   std::vector<double> turned = scene.residual;
   if (white) whiten(turned, noise);
@@ -160,7 +206,7 @@ Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, const RedNo
   const auto y = simulator.run(turned);
   std::vector<double> seen(y.rbegin(), y.rend());
   for (std::size_t i = 0; i < seen.size(); ++i) seen[i] -= constant[seen.size() - 1 - i];
-  return clocks_of_stairs(scene, scene.boundary[at].values, seen, half);
+  return clocks_of_stairs(scene, scene.boundary[at].values, seen, half, guess_hz);
 }
 
 }  // namespace bodesmith::gap

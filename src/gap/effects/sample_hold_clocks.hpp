@@ -12,10 +12,14 @@
 /// a coarse comb of clocks will do; most refine the best ones as the look grows longer.
 namespace bodesmith::gap {
 
-/// Clocks of a hold at `at`, the residual likened to its stairs apart from their mean lag, which free corners of the model may have taken
-/// over. Linear dynamics behind it soften the stairs: the residual is run through them backwards. `half`: the hold acts half a cycle
-/// late. `noise`, where it has a size: of the residual made white by it, in which faint stairs stand out from what free corners leave of
-/// a lag.
-Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, const RedNoise& noise = {});
+/// Delay that would explain most of the residual, in seconds; 0 when none does.
+double mean_lag_s(const Scene& scene);
+
+/// Clocks of a hold at `at`, the residual likened to what it leaves. `guess_hz` above 0: to its stairs and lag, of clocks around that;
+/// otherwise to its stairs apart from their mean lag, which free corners of the model may have taken over. Linear dynamics behind it
+/// soften the stairs: the residual is run through them backwards. `half`: the hold acts half a cycle late. `noise`, where it has a
+/// size: of the residual made white by it, in which faint stairs stand out from what free corners leave of a lag.
+Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz = 0.0,
+                      const RedNoise& noise = {});
 
 }  // namespace bodesmith::gap

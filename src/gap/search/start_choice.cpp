@@ -82,29 +82,26 @@ StartedSearch search_from_start(const chain::Chain& base, const Experiments& tra
                           : Start::zero;
   const Start other = first == Start::zero ? Start::equilibrium : Start::zero;
   const auto from = [&](Start start) { return start == Start::zero ? base : at_rest; };
-  StartChoice choice;
-  const auto measure = [&](const Tried& of_first, const Tried& of_other) {
-    choice.zero_rms = first == Start::zero ? of_first.rms : of_other.rms;
-    choice.equilibrium_rms = first == Start::zero ? of_other.rms : of_first.rms;
-  };
-  const auto decided = [&](Start start, SearchResult found) {
-    choice.chosen = start;
-    found.initial = Model(base);  // as given
-    return StartedSearch{std::move(found), choice};
-  };
+  StartChoice choice{.chosen = first};
   SearchResult found = search(from(first), train, options);
   const Tried of_first = tried(found.final, train, options);
-  const Tried of_other = from_other_start(found.final, other, train, options);
-  measure(of_first, of_other);
+  Tried of_other = from_other_start(found.final, other, train, options);
   const bool enough = of_first.explains && !(of_other.log_evidence > of_first.log_evidence);
-  if (enough || found.stopped || found.late) return decided(first, std::move(found));
-  SearchResult again = search(from(other), train, options);
-  if (again.stopped) return decided(first, std::move(found));
-  const Tried of_again = tried(again.final, train, options);
-  choice.by_search = true;
-  measure(of_first, of_again);
-  if (of_again.log_evidence > of_first.log_evidence) return decided(other, std::move(again));
-  return decided(first, std::move(found));
+  if (!enough && !found.stopped && !found.late) {
+    SearchResult again = search(from(other), train, options);
+    if (!again.stopped) {
+      of_other = tried(again.final, train, options);
+      choice.by_search = true;
+      if (of_other.log_evidence > of_first.log_evidence) {
+        choice.chosen = other;
+        found = std::move(again);
+      }
+    }
+  }
+  choice.zero_rms = (first == Start::zero ? of_first : of_other).rms;
+  choice.equilibrium_rms = (first == Start::zero ? of_other : of_first).rms;
+  found.initial = Model(base);  // as given
+  return {std::move(found), choice};
 }
 
 std::string to_text(const StartChoice& choice) {

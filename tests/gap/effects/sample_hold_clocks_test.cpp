@@ -1,4 +1,4 @@
-// The clock of a hold, found in a residual that was made with it known.
+// The lag and the clock of a hold, found in a residual that was made with both known.
 #include "gap/effects/sample_hold_clocks.hpp"
 
 #include <gtest/gtest.h>
@@ -15,6 +15,34 @@ namespace hold_clocks {
 namespace {
 
 using namespace bodesmith;
+
+/// A scene of a model that does nothing and measures x, later by `lag` samples.
+struct Late {
+  gap::Model model{model_of("[[block]]\ntype = \"gain\"\ngain = 1.0\n")};
+  gap::Scene scene;
+  explicit Late(double lag, double noise = 0.0) {
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal;
+    const auto x = [](double t) { return std::sin(0.05 * t) + 0.4 * std::cos(0.013 * t + 1.0); };
+    scene.model = &model;
+    scene.step_s = 1e-3;
+    scene.band_hz = 8.0;
+    scene.boundary.resize(2);
+    for (int i = 0; i < 3000; ++i) {
+      scene.boundary.back().values.push_back(x(i));
+      scene.residual.push_back(x(i - lag) - x(i) + noise * normal(random));
+    }
+  }
+};
+
+TEST(HoldLag, IsThatOfTheOutputOverTheModels) {
+  for (const double lag : {0.2, 1.0, 2.0, 5.0, 17.0})
+    EXPECT_NEAR(gap::mean_lag_s(Late(lag).scene), 1e-3 * lag, 1e-6 * lag + 1e-8) << lag;
+  // An output that comes early has none.
+  EXPECT_EQ(gap::mean_lag_s(Late(-3.0).scene), 0.0);
+  EXPECT_EQ(gap::mean_lag_s(Late(-0.3).scene), 0.0);
+  EXPECT_NEAR(gap::mean_lag_s(Late(9.0, 0.05).scene), 9e-3, 1.1e-3);
+}
 
 constexpr double kClockHz = 41.7;
 
@@ -39,11 +67,14 @@ TEST(HoldClock, IsFoundInItsStairs) {
     for (const bool half : {false, true}) {
       TimeRecord record = measured(kInFront + hold(half) + behind, u, 1e-3, 1e-3, 3);
       auto scene = gap::make_scene(model, {gap::TimeExperiment(record)});
+      const auto first = [&](double guess) { return gap::clocks_of_hold(scene, 1, half, guess).at(0).at(0); };
+      // A tenth of the record's resolution.
+      EXPECT_NEAR(first(50.0), kClockHz, 0.03) << half << behind;
+      EXPECT_NEAR(first(33.0), kClockHz, 0.03) << half << behind;
       // The stairs alone, when other parts of the model have taken the mean lag over.
       const TimeRecord lagging = measured(kInFront + delay(half) + behind, u, 1e-3, 0.0, 3);
       for (std::size_t i = 0; i < u.size(); ++i) scene.residual[i] = record.y[i] - lagging.y[i];
-      // A tenth of the record's resolution.
-      EXPECT_NEAR(gap::clocks_of_hold(scene, 1, half).at(0).at(0), kClockHz, 0.03) << half << behind;
+      EXPECT_NEAR(first(0.0), kClockHz, 0.03) << half << behind;
     }
   }
 }

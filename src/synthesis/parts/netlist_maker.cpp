@@ -123,11 +123,17 @@ int NetlistMaker::signed_sum(const std::vector<std::string>& from, const std::ve
     }
   }
   if (!nodes[1].empty()) {
-    for (std::size_t row = 0; row < rows.size(); ++row) volts[1][row].push_back(twice[row]);
+    // Steep pieces beside each other are large terms that nearly cancel: their sum stays within what the op-amp gives.
+    constexpr double kRoom = 0.8;
+    double most = 0.0;
+    for (const double one : twice) most = std::max(most, std::abs(one));
+    const double scale = std::min(1.0, kRoom * to_.opamp.swing_v / most);
+    for (double& factor : factors[1]) factor *= scale;
+    for (std::size_t row = 0; row < rows.size(); ++row) volts[1][row].push_back(scale * twice[row]);
     const std::vector<double> realised =
         inverting_sum(nodes[1], factors[1], volts[1], role + ", inverted", inverted);
     nodes[0].push_back(inverted);
-    factors[0].push_back(-1.0);
+    factors[0].push_back(-1.0 / scale);
     for (std::size_t row = 0; row < rows.size(); ++row) {
       double got = 0.0;
       for (std::size_t k = 0; k < realised.size(); ++k) got += realised[k] * volts[1][row][k];

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <vector>
 
@@ -11,28 +10,29 @@
 namespace bodesmith {
 namespace {
 
-using Digits34 = boost::multiprecision::cpp_bin_float_quad;
+using Extended = long double;
 
 TermApproximation minimax_of(double kappa, double beta, int order) {
   return value_or_throw(try_approximate_term({1.0, 1.0 / kappa, beta}, {}, order));
 }
 
-/// The alternating extrema of the log magnitude error in nepers, in 34 digits, from the written poles and
+/// The alternating extrema of the log magnitude error in nepers, in extended precision, from the written poles and
 /// zeros; over all frequencies or between the corners.
 std::vector<double> alternation(const TermApproximation& made, bool over_band) {
-  const auto error = [&](const Digits34& w) {
-    Digits34 power = 1;
+  const auto error = [&](const Extended& w) {
+    Extended power = 1;
     for (const Section& section : made.sections) {
-      power *= Digits34(section.gain) * section.gain;
+      power *= Extended(section.gain) * section.gain;
       for (std::size_t i = 0; i < section.poles.size(); ++i) {
-        const Digits34 zero = section.zeros[i].real();
-        const Digits34 pole = section.poles[i].real();
+        const Extended zero = section.zeros[i].real();
+        const Extended pole = section.poles[i].real();
         power *= (w * w + zero * zero) / (w * w + pole * pole);
       }
     }
-    const Digits34 a = w * Digits34(made.term.lambda_s);
-    const Digits34 b = a * Digits34(made.term.x);
-    return static_cast<double>((log(power) - Digits34(made.term.beta) * log((1 + a * a) / (1 + b * b))) / 2);
+    const Extended a = w * Extended(made.term.lambda_s);
+    const Extended b = a * Extended(made.term.x);
+    return static_cast<double>(
+        (std::log(power) - Extended(made.term.beta) * std::log((1 + a * a) / (1 + b * b))) / 2);
   };
   std::vector<double> heights;
   const double beyond = over_band ? 0.0 : 4.0;
@@ -42,7 +42,7 @@ std::vector<double> alternation(const TermApproximation& made, bool over_band) {
   const int steps = 400;
   for (int i = -1; i <= steps + 1; ++i) {
     const double at = i < 0 ? low - ends : i > steps ? high + ends : low + (high - low) * i / steps;
-    const double e = error(exp(Digits34(at)));
+    const double e = error(std::exp(Extended(at)));
     if (heights.empty() || (e > 0.0) != (heights.back() > 0.0))
       heights.push_back(e);
     else if (std::abs(e) > std::abs(heights.back()))

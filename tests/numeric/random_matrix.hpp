@@ -16,4 +16,16 @@ inline Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns) {
   return out;
 }
 
+/// Greatest |a - b|: compiled once, where each difference of two expressions would be for itself.
+inline double apart(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.size() == 0 && b.size() == 0 ? 0.0 : (a - b).cwiseAbs().maxCoeff();
+}
+inline double apart(const Eigen::MatrixXcd& a, const Eigen::MatrixXcd& b) {
+  return (a - b).cwiseAbs().maxCoeff();
+}
+/// For matrices of a few rows: without the blocks and packets of great products.
+inline Eigen::MatrixXcd product(const Eigen::MatrixXcd& a, const Eigen::MatrixXcd& b) {
+  return a.lazyProduct(b);
+}
+
 }  // namespace bodesmith

@@ -128,6 +128,8 @@ TEST(KicadSchematic, EveryExampleIsTheNetlistAndItsDecksAreReadAlike) {
   for (const ExampleCircuit& example : example_circuits()) {
     const std::string sections = example_sections(example, folder);
     for (const std::string options : {" --series exact --opamp ideal", " --opamp TL072"}) {
+      // Preferred values and a real op-amp do the same to every example: one with many stages and one with few.
+      if (options == " --opamp TL072" && example.name != "nanopositioner" && example.name != "riaa") continue;
       SCOPED_TRACE(example.name + options);
       const std::filesystem::path made = folder / "made";
       std::filesystem::remove_all(made);

@@ -7,86 +7,93 @@
 #include <cmath>
 
 #include "numeric/random.hpp"
+#include "numeric/random_matrix.hpp"
 
 namespace bodesmith {
 namespace {
 
 using Complex = std::complex<double>;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+MatrixXd one(Eigen::Index n) {
+  return MatrixXd::Identity(n, n);
+}
 
 /// Neither symmetric nor normal, with a pair of complex eigenvalues.
-Eigen::MatrixXd plain_matrix() {
-  Eigen::MatrixXd a(3, 3);
+MatrixXd plain_matrix() {
+  MatrixXd a(3, 3);
   a << 1.0, 4.0, -2.0, -3.0, 2.0, 0.5, 0.25, -1.0, 3.0;
   return a;
 }
 
 TEST(Dense, InversesAndDeterminants) {
-  const Eigen::MatrixXd a = plain_matrix();
-  EXPECT_LT((a * inverse(a) - Eigen::MatrixXd::Identity(3, 3)).norm(), 1e-14);
-  const Eigen::MatrixXcd c = a.cast<Complex>() * Complex(0.0, 2.0);
-  EXPECT_LT((c * inverse(c) - Eigen::MatrixXcd::Identity(3, 3)).norm(), 1e-14);
+  const MatrixXd a = plain_matrix();
+  EXPECT_LT(apart(times(a, inverse(a)), one(3)), 1e-14);
+  const MatrixXcd c = a.cast<Complex>() * Complex(0.0, 2.0);
+  EXPECT_LT(apart(product(c, inverse(c)), MatrixXcd(one(3).cast<Complex>())), 1e-14);
   // det(2j A) = (2j)^3 det A, and det A = 38.0 by hand.
   EXPECT_NEAR(std::abs(determinant(c) - Complex(0.0, -8.0) * 38.0), 0.0, 1e-12);
 }
 
 TEST(Dense, SquareSystemsOfAnyKindAreSolved) {
-  const Eigen::MatrixXd a = plain_matrix();
-  const Eigen::MatrixXd b = a.transpose();
-  EXPECT_LT((a * solve_lu_columns(a, b) - b).norm(), 1e-13);
-  EXPECT_LT((a * solve_lu(a, Eigen::VectorXd(b.col(1))) - b.col(1)).norm(), 1e-13);
-  const Eigen::MatrixXcd c = a.cast<Complex>() + Complex(0.0, 1.0) * b;
-  EXPECT_LT((c * solve_lu_columns(c, Eigen::MatrixXcd(b)) - b).norm(), 1e-13);
-  EXPECT_LT((c * solve_lu(c, Eigen::VectorXcd(b.col(1))) - b.col(1)).norm(), 1e-13);
+  const MatrixXd a = plain_matrix();
+  const MatrixXd b = a.transpose();
+  const VectorXd column = b.col(1);
+  EXPECT_LT(apart(times(a, solve_lu_columns(a, b)), b), 1e-13);
+  EXPECT_LT(apart(times(a, MatrixXd(solve_lu(a, column))), MatrixXd(column)), 1e-13);
+  const MatrixXcd wanted = b.cast<Complex>();
+  const MatrixXcd c = Complex(0.0, 1.0) * wanted + a.cast<Complex>();
+  EXPECT_LT(apart(product(c, solve_lu_columns(c, wanted)), wanted), 1e-13);
+  EXPECT_LT(apart(product(c, MatrixXcd(solve_lu(c, VectorXcd(wanted.col(1))))), MatrixXcd(wanted.col(1))),
+            1e-13);
   const SquareSvd svd = square_svd(a);
-  EXPECT_LT((svd.u * svd.values.asDiagonal() * svd.v.transpose() - a).norm(), 1e-13);
-  EXPECT_LT((svd.u.transpose() * svd.u - Eigen::MatrixXd::Identity(3, 3)).norm(), 1e-14);
+  EXPECT_LT(apart(times(times(svd.u, MatrixXd(svd.values.asDiagonal())), MatrixXd(svd.v.transpose())), a),
+            1e-13);
+  EXPECT_LT(apart(gram(svd.u), one(3)), 1e-14);
   EXPECT_GE(svd.values(0), svd.values(1));
 }
 
 TEST(Dense, EveryColumnIsSolvedLikeOne) {
-  const Eigen::MatrixXd a = gram(plain_matrix());
-  const Eigen::MatrixXd b = plain_matrix();
-  const Eigen::MatrixXd x = solve_ldlt_columns(a, b);
-  EXPECT_LT((a * x - b).norm(), 1e-12);
-  EXPECT_LT((x.col(1) - solve_ldlt(a, b.col(1))).norm(), 1e-12);
+  const MatrixXd a = gram(plain_matrix());
+  const MatrixXd b = plain_matrix();
+  const MatrixXd x = solve_ldlt_columns(a, b);
+  EXPECT_LT(apart(times(a, x), b), 1e-12);
+  EXPECT_LT(apart(MatrixXd(x.col(1)), MatrixXd(solve_ldlt(a, b.col(1)))), 1e-12);
 }
 
 TEST(Dense, EigenvectorsAreWhatTheMatrixOnlyStretches) {
-  const Eigen::MatrixXd a = plain_matrix();
+  const MatrixXd a = plain_matrix();
   const auto modes = eigen_system(a);
   ASSERT_TRUE(modes.has_value());
   EXPECT_GT(modes->values.imag().cwiseAbs().maxCoeff(), 1.0);
-  const Eigen::MatrixXcd stretched = modes->vectors * modes->values.asDiagonal();
-  EXPECT_LT((a.cast<Complex>() * modes->vectors - stretched).norm(), 1e-13);
+  const MatrixXcd stretched = modes->vectors * modes->values.asDiagonal();
+  EXPECT_LT(apart(product(a.cast<Complex>(), modes->vectors), stretched), 1e-13);
   EXPECT_NEAR((eigenvalues(a).sum() - modes->values.sum()).real(), 0.0, 1e-13);
 }
 
 TEST(Dense, SingularValuesOfTallAndWideMatrices) {
   // Columns at right angles of lengths 5, 2 and 1e-9, turned.
-  Eigen::MatrixXd tall = Eigen::MatrixXd::Zero(6, 3);
+  MatrixXd tall = MatrixXd::Zero(6, 3);
   tall.col(0) << 3.0, 4.0, 0.0, 0.0, 0.0, 0.0;
   tall.col(1) << -1.6, 1.2, 0.0, 0.0, 0.0, 0.0;
   tall(4, 2) = 1e-9;
-  Eigen::Matrix3d turn;
+  MatrixXd turn(3, 3);
   turn << 0.6, 0.0, 0.8, 0.0, 1.0, 0.0, -0.8, 0.0, 0.6;
-  const Eigen::MatrixXd turned = tall.lazyProduct(turn);
-  for (const Eigen::MatrixXd& a : {turned, Eigen::MatrixXd(turned.transpose())}) {
-    const Eigen::VectorXd values = singular_values(a);
+  const MatrixXd turned = times(tall, turn);
+  for (const MatrixXd& a : {turned, MatrixXd(turned.transpose())}) {
+    const VectorXd values = singular_values(a);
     ASSERT_EQ(values.size(), 3);
     EXPECT_NEAR(values(0), 5.0, 1e-14);
     EXPECT_NEAR(values(1), 2.0, 1e-14);
     EXPECT_NEAR(values(2), 1e-9, 1e-15);
   }
-  const Eigen::VectorXd v = smallest_singular_vector(turned);
+  const VectorXd v = smallest_singular_vector(turned);
   EXPECT_NEAR(v.norm(), 1.0, 1e-14);
-  EXPECT_NEAR((turned * v).norm(), 1e-9, 1e-15);
+  EXPECT_NEAR(times(turned, v).norm(), 1e-9, 1e-15);
 }
-
-}  // namespace
-
-namespace {
-
-using Eigen::MatrixXd;
 
 TEST(MatrixExponential, ARotationAndADecayHaveTheirClosedForms) {
   for (const double t : {1e-9, 0.3, 4.0, 30.0}) {
@@ -109,12 +116,11 @@ TEST(MatrixExponential, ForwardAndBackAreTheIdentity) {
   for (Eigen::Index n = 1; n <= 8; ++n) {
     MatrixXd m(n, n);
     for (double& v : m.reshaped()) v = random.normal();
-    const MatrixXd product = matrix_exponential(m) * matrix_exponential(-m);
-    EXPECT_LT((product - MatrixXd::Identity(n, n)).norm(), 1e-11) << n;
+    EXPECT_LT(apart(times(matrix_exponential(m), matrix_exponential(-m)), one(n)), 1e-11) << n;
     // exp(A)^2 = exp(2 A).
     const MatrixXd once = matrix_exponential(m);
-    const Eigen::MatrixXd twice = once.lazyProduct(once);
-    EXPECT_LT((twice - matrix_exponential(2.0 * m)).norm(), 1e-12 * twice.norm()) << n;
+    const MatrixXd twice = times(once, once);
+    EXPECT_LT(apart(twice, matrix_exponential(2.0 * m)), 1e-12 * twice.norm()) << n;
   }
 }
 
@@ -128,26 +134,24 @@ TEST(MatrixExponential, TheRowMajorFormIsTheSame) {
     for (int j = 0; j < 2; ++j) EXPECT_NEAR(m[static_cast<std::size_t>(2 * i + j)], wanted(i, j), 1e-15);
 }
 
-}  // namespace
-
 TEST(Dense, OrthonormalColumnsSpanTheSameAndTheLeastNormSolves) {
-  const Eigen::MatrixXd a =
-      (Eigen::MatrixXd(4, 4) << 1, 2, 0, 1, -1, 3, 2, 0, 2, 0, 1, 5, 0, 1, -2, 1).finished();
-  const Eigen::MatrixXd q = orthonormal_columns(a);
-  EXPECT_LT((q.transpose().lazyProduct(q) - Eigen::MatrixXd::Identity(4, 4)).norm(), 1e-14);
-  const Eigen::MatrixXd r = q.transpose().lazyProduct(a);  // upper
+  const MatrixXd a = (MatrixXd(4, 4) << 1, 2, 0, 1, -1, 3, 2, 0, 2, 0, 1, 5, 0, 1, -2, 1).finished();
+  const MatrixXd q = orthonormal_columns(a);
+  EXPECT_LT(apart(gram(q), one(4)), 1e-14);
+  const MatrixXd r = times(MatrixXd(q.transpose()), a);  // upper
   for (Eigen::Index i = 1; i < 4; ++i) {
     for (Eigen::Index k = 0; k < i; ++k) EXPECT_NEAR(r(i, k), 0.0, 1e-14);
   }
-  const Eigen::MatrixXd wide = a.topRows(2);
-  const Eigen::MatrixXd b = (Eigen::MatrixXd(2, 1) << 3, -4).finished();
-  const Eigen::MatrixXd x = least_norm_columns(wide, b);
-  EXPECT_LT((wide.lazyProduct(x) - b).norm(), 1e-13);
-  const Eigen::Matrix2d s = wide.lazyProduct(wide.transpose());
-  const Eigen::Matrix2d turned = (Eigen::Matrix2d() << s(1, 1), -s(0, 1), -s(1, 0), s(0, 0)).finished();
-  const Eigen::MatrixXd least =
-      wide.transpose().lazyProduct(turned.lazyProduct(b)) / (s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0));
-  EXPECT_LT((x - least).norm(), 1e-13);
+  const MatrixXd wide = a.topRows(2);
+  const MatrixXd b = (MatrixXd(2, 1) << 3, -4).finished();
+  const MatrixXd x = least_norm_columns(wide, b);
+  EXPECT_LT(apart(times(wide, x), b), 1e-13);
+  const MatrixXd back = wide.transpose();
+  const MatrixXd s = gram(back);
+  const MatrixXd turned = (MatrixXd(2, 2) << s(1, 1), -s(0, 1), -s(1, 0), s(0, 0)).finished();
+  const double size = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
+  EXPECT_LT(apart(size * x, times(back, times(turned, b))), 1e-13 * size);
 }
 
+}  // namespace
 }  // namespace bodesmith

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random_matrix.hpp"
 
 namespace bodesmith {
@@ -21,7 +22,7 @@ TEST(FixedMatrix, ProductsAreThoseOfTheMatrix) {
     EXPECT_EQ(fixed.columns(), 97);
     for (Index columns = 1; columns <= 9; ++columns) {
       const MatrixXd x = random_matrix(97, columns);
-      EXPECT_LT((fixed.times(x) - a * x).cwiseAbs().maxCoeff(), 1e-12) << rows << " rows, " << columns;
+      EXPECT_LT(apart(fixed.times(x), times(a, x)), 1e-12) << rows << " rows, " << columns;
     }
   }
 }
@@ -52,8 +53,8 @@ TEST(TallMatrix, ProductsAreThoseOfTheMatrix) {
     const TallMatrix tall(a);
     const VectorXd x = random_matrix(columns, 1);
     const VectorXd z = random_matrix(rows, 1);
-    EXPECT_LT((tall.times(x) - a * x).cwiseAbs().maxCoeff(), 1e-13) << rows << " x " << columns;
-    EXPECT_LT((tall.transpose_times(z) - a.transpose() * z).cwiseAbs().maxCoeff(), 1e-12)
+    EXPECT_LT(apart(MatrixXd(tall.times(x)), MatrixXd(times(a, x))), 1e-13) << rows << " x " << columns;
+    EXPECT_LT(apart(MatrixXd(tall.transpose_times(z)), MatrixXd(transpose_times(a, z))), 1e-12)
         << rows << " x " << columns;
   }
 }
@@ -65,7 +66,7 @@ TEST(TallMatrix, GramIsSymmetricAndThatOfTheWeightedRows) {
     const MatrixXd got = TallMatrix(a).gram(w);
     ASSERT_EQ(got.rows(), columns);
     EXPECT_TRUE(got == got.transpose());
-    EXPECT_LT((got - a.transpose().lazyProduct((w.asDiagonal() * a).eval())).cwiseAbs().maxCoeff(), 1e-11)
+    EXPECT_LT(apart(got, times(MatrixXd(a.transpose()), MatrixXd(w.asDiagonal() * a))), 1e-11)
         << rows << " x " << columns;
   }
 }

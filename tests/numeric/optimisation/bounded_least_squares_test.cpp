@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/optimisation/bounded_least_squares.hpp"
 #include "numeric/optimisation/constrained_programs.hpp"
 #include "numeric/optimisation/population_search.hpp"
@@ -65,7 +66,8 @@ TEST(QuadraticProgram, MeetsItsConstraints) {
   EXPECT_NEAR(found.x(0), 1.2, 1e-7);
   EXPECT_NEAR(found.x(1), 0.8, 1e-7);
   // Gradient = -A' multipliers.
-  const VectorXd balance = problem.q * found.x + problem.c + problem.a.transpose() * found.multiplier;
+  const VectorXd balance =
+      times(problem.q, found.x) + problem.c + transpose_times(problem.a, found.multiplier);
   EXPECT_LT(balance.norm(), 1e-6);
 }
 

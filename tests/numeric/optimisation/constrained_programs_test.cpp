@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith {
@@ -51,11 +52,11 @@ double level_by_interior_points(const LevelProgram& p) {
 }
 
 void expect_kept(const LevelProgram& p, const LevelResult& found) {
-  EXPECT_LE((p.error + p.slope * found.x).cwiseAbs().maxCoeff(), found.level * (1.0 + 1e-9) + 1e-13);
+  EXPECT_LE((p.error + times(p.slope, found.x)).cwiseAbs().maxCoeff(), found.level * (1.0 + 1e-9) + 1e-13);
   EXPECT_GE((found.x - p.lower).minCoeff(), -1e-12);
   EXPECT_GE((p.upper - found.x).minCoeff(), -1e-12);
   if (p.b.size() > 0) {
-    EXPECT_LE((p.a * found.x - p.b).maxCoeff(), 1e-8);
+    EXPECT_LE((times(p.a, found.x) - p.b).maxCoeff(), 1e-8);
   }
 }
 
@@ -88,7 +89,7 @@ TEST(LeastLevel, ANumberThatCostsGivesWayToInequalities) {
   const LevelResult found = solve_least_level(p);
   ASSERT_TRUE(found.solved);
   EXPECT_GT(found.x(5), 1.0);
-  EXPECT_LE((p.a * found.x - p.b).maxCoeff(), 1e-8);
+  EXPECT_LE((times(p.a, found.x) - p.b).maxCoeff(), 1e-8);
   const double got = found.level + 100.0 * found.x(5);
   EXPECT_NEAR(got, level_by_interior_points(p), 1e-6 * got);
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith {
@@ -30,7 +31,7 @@ Problem random_problem(Index rows, Index columns, std::uint64_t seed) {
 
 /// The Kuhn-Tucker conditions of min |A x − b|², x >= 0.
 void expect_optimal(const Problem& p, const VectorXd& x, double tolerance) {
-  const VectorXd gradient = p.a.transpose() * (p.a * x - p.b);
+  const VectorXd gradient = transpose_times(p.a, times(p.a, x) - p.b);
   for (Index i = 0; i < x.size(); ++i) {
     if (x(i) > 0.0) {
       EXPECT_NEAR(gradient(i), 0.0, tolerance) << i;
@@ -44,21 +45,21 @@ void expect_optimal(const Problem& p, const VectorXd& x, double tolerance) {
 TEST(NonNegative, ItSatisfiesKuhnAndTucker) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Problem p = random_problem(80, 30, 100 + seed);
-    LinearMap map{30, 80, [&](const VectorXd& x, VectorXd& y) { y = p.a * x; },
-                  [&](const VectorXd& r, VectorXd& g) { g = p.a.transpose() * r; }};
+    LinearMap map{30, 80, [&](const VectorXd& x, VectorXd& y) { y = times(p.a, x); },
+                  [&](const VectorXd& r, VectorXd& g) { g = transpose_times(p.a, r); }};
     const VectorXd scale = p.a.colwise().norm().cwiseInverse();
     const auto found = non_negative_least_squares(
         map, p.b, VectorXd::Zero(30), scale, {.tolerance = 1e-12, .max_iterations = 5000, .min_gain = 0.0});
     EXPECT_EQ(found.termination, Termination::gradient);
     expect_optimal(p, found.x, 1e-8);
-    EXPECT_NEAR(found.cost, 0.5 * (p.a * found.x - p.b).squaredNorm(), 1e-9);
+    EXPECT_NEAR(found.cost, 0.5 * (times(p.a, found.x) - p.b).squaredNorm(), 1e-9);
   }
 }
 
 TEST(NonNegative, TheUnitOfTheRightSideIsThatOfTheSolution) {
   const Problem p = random_problem(40, 12, 7);
-  LinearMap map{12, 40, [&](const VectorXd& x, VectorXd& y) { y = p.a * x; },
-                [&](const VectorXd& r, VectorXd& g) { g = p.a.transpose() * r; }};
+  LinearMap map{12, 40, [&](const VectorXd& x, VectorXd& y) { y = times(p.a, x); },
+                [&](const VectorXd& r, VectorXd& g) { g = transpose_times(p.a, r); }};
   const auto of_unit = [&](double unit) {
     return non_negative_least_squares(map, unit * p.b, VectorXd::Zero(12), VectorXd::Ones(12), {});
   };
@@ -73,8 +74,8 @@ TEST(NonNegative, TheUnitOfTheRightSideIsThatOfTheSolution) {
 
 TEST(NonNegative, AColumnOfScaleZeroStaysAtZero) {
   const Problem p = random_problem(20, 3, 9);
-  LinearMap map{3, 20, [&](const VectorXd& x, VectorXd& y) { y = p.a * x; },
-                [&](const VectorXd& r, VectorXd& g) { g = p.a.transpose() * r; }};
+  LinearMap map{3, 20, [&](const VectorXd& x, VectorXd& y) { y = times(p.a, x); },
+                [&](const VectorXd& r, VectorXd& g) { g = transpose_times(p.a, r); }};
   VectorXd scale = VectorXd::Ones(3);
   scale(1) = 0.0;
   const auto found = non_negative_least_squares(map, p.b, VectorXd::Ones(3), scale, {});

@@ -13,9 +13,9 @@ namespace bodesmith::python {
 namespace {
 
 tolerance::Spread spread_of(const Node& o, const tolerance::Design& design) {
-  using Kind = tolerance::Spread::Kind;
+  using Drawn = tolerance::Spread::Kind;
   tolerance::Spread out(design);
-  out.kind = choice(o, "distribution", {Kind::uniform, Kind::gaussian, Kind::corners});
+  out.kind = choice(o, "distribution", {Drawn::uniform, Drawn::gaussian, Drawn::corners});
   out.sigmas = positive_or(o, "sigmas", out.sigmas);
   out.resistor_percent = o.number_or("resistor_percent", out.resistor_percent);
   out.capacitor_percent = o.number_or("capacitor_percent", out.capacitor_percent);

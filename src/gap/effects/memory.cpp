@@ -29,7 +29,7 @@ PlayBank play_bank(double half_range) {
   std::vector<double> weight = {1.0};
   for (std::size_t k = 0; k < kParts.size(); ++k) {
     radius.push_back(kParts[k] * half_range);
-    weight.push_back(0.0);
+    weight.push_back(0.005);
     bank.unknowns.push_back(linear_unknown("w[" + std::to_string(k + 1) + "]", 0.0, 5.0, 0.05));
   }
   bank.block.set("r", radius).set("w", weight);
@@ -66,7 +66,7 @@ Proposal bouc_wen(const Scene& scene, std::size_t at, double half) {
                                          linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2)};
   Starts starts;
   for (double a : {0.1, -0.1}) {
-    for (double beta : {1.0, 5.0}) starts.push_back({a, beta, 0.0});
+    for (double gamma : {0.3, -0.3}) starts.push_back({a, 2.0, gamma});
   }
   return insert_block(scene, at, block, unknowns, starts, [half](chain::Block& b, std::span<const double> v) {
     const double beta = v[1] / half;

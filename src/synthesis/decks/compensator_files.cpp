@@ -9,6 +9,7 @@
 #include "base/documents/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "lti/judge_responses.hpp"
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/ngspice/ngspice.hpp"
@@ -136,14 +137,16 @@ CompensatorCheck check_compensator(const Circuit& circuit, const Sections& wante
   out.band = searched_band(without_far_zeros(wanted));
   const std::vector<Hertz> grid = log_grid(out.band, points);
   const std::string library = schematic::spice_text(compensator_library(circuit, "check"));
-  const auto got = ngspice::run_ac_of_text(library, "compensator.sub", grid);
+  const auto in_ngspice = [&](const std::vector<Hertz>& at) {
+    return ngspice::run_ac_of_text(library, "compensator.sub", at);
+  };
   const auto network = circuit.opamp.is_ideal
                            ? schematic::network_response(circuit, grid, {.ideal_opamps = true})
                            : schematic::network_response(circuit, grid);
-  std::vector<Complex> target;
-  for (const Hertz f : grid) target.push_back(wanted.response(f.rad_s()));
-  out.against_network = compare_responses(grid, got, network);
-  out.against_sections = compare_responses(grid, got, target);
+  out.against_network = compare_responses(grid, in_ngspice(grid), network);
+  // As the program judges its own: beside a notch a plain grid has other errors, and no flanks.
+  out.against_sections =
+      judge_responses(in_ngspice, at_each([&](RadPerSecond w) { return wanted.response(w); }), out.band);
   out.transient_percent =
       check_transient(circuit, library, std::sqrt(out.band.from.value * out.band.to.value));
   out.noise_percent = check_noise(circuit, library, out.band);

@@ -135,6 +135,23 @@ TEST(Compensator, BiquadAndIdealOpAmps) {
   EXPECT_LT(check.against_network.max_complex_percent, 1e-5);
 }
 
+/// Beside a notch both say one figure: what is told as a shift in one is in the other.
+TEST(Compensator, NgspiceJudgesANotchAsTheProgramDoes) {
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
+  Sections sections;
+  Section notch;
+  notch.zeros = {{-0.2132, 21.25}, {-0.2132, -21.25}};
+  notch.poles = {{-3.556, 31.78}, {-3.556, -31.78}};
+  Section lag;
+  lag.gain = 4431.0;
+  lag.poles = {{-4431.0, 0}};
+  sections.sections = {notch, lag};
+  const Realised made = realise(sections);
+  const CompensatorCheck check = check_compensator(made.circuit, sections);
+  const double own = made.report.all.max_magnitude_db;
+  EXPECT_NEAR(check.against_sections.max_magnitude_db, own, 0.03 * own);
+}
+
 TEST(Compensator, LibraryIsPortable) {
   const std::string text =
       schematic::spice_text(compensator_library(realise(seed_sections()).circuit, "seed"));

@@ -183,7 +183,8 @@ TEST(Trim, BringsBoardsToAFifthAndNoneFurtherAway) {
 
 /// Four frequencies leave a second measurement something to tell.
 TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
-  const BlindResult boards = blind_boards(seed_plan(), {.boards = 5, .samples = 200, .points = 4, .seed = 700}, 2);
+  const BlindResult boards =
+      blind_boards(seed_plan(), {.boards = 5, .samples = 200, .points = 4, .seed = 700}, 2);
   EXPECT_LT(boards.again_95, boards.after_95);
   EXPECT_LT(boards.again_95, 0.3 * boards.before_95);
 }

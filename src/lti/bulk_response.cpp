@@ -217,14 +217,30 @@ double turn_deg(const Sections& sections, RadPerSecond from, RadPerSecond to) {
   return to_degrees(out);
 }
 
-/// The phase of sections on a coarse grid may turn by any angle between two frequencies.
+/// What all roots together turn the phase by over a neper of frequency, rad, at the most: one at -sigma +- j w0 by
+/// w sigma/|jw - p|^2, which is largest at w = |p|: (|p| + |w0|)/(2 sigma).
+double steepest_turn(const Sections& sections) {
+  double sum = 0.0;
+  const auto add = [&](Complex root) {
+    if (root != Complex(0.0)) sum += (std::abs(root) + std::abs(root.imag())) / (2.0 * std::abs(root.real()));
+  };
+  for (const Section& section : sections.sections) {
+    std::ranges::for_each(section.poles, add);
+    std::ranges::for_each(section.zeros, add);
+  }
+  return sum;
+}
+
+/// The phase of sections on a coarse grid may turn by any angle between two frequencies; where it cannot by half a turn, the angles
+/// tell it.
 void follow_turns(std::vector<double>& phase_deg, const Sections& sections, const std::vector<Hertz>& grid) {
-  constexpr double kCoarse = 1.0001;
+  const double coarse = 1.0 + 0.95 * std::numbers::pi / steepest_turn(sections);
   double turns = 0.0, last = phase_deg.empty() ? 0.0 : phase_deg[0];
   for (std::size_t i = 1; i < phase_deg.size(); ++i) {
-    const bool coarse = grid[i].value > kCoarse * grid[i - 1].value;
-    const double turn = coarse ? turn_deg(sections, grid[i - 1].rad_s(), grid[i].rad_s()) : 0.0;
-    turns -= 360.0 * std::round((phase_deg[i] - last - turn) / 360.0);
+    double step = phase_deg[i] - last;
+    if (!(grid[i].value < coarse * grid[i - 1].value) || grid[i] < grid[i - 1])
+      step -= turn_deg(sections, grid[i - 1].rad_s(), grid[i].rad_s());
+    if (std::abs(step) > 180.0) turns -= 360.0 * std::round(step / 360.0);
     last = phase_deg[i];
     phase_deg[i] += turns;
   }

@@ -51,7 +51,8 @@ class NetlistMaker {
                       const std::string& reference, double ratio);
   /// An inverting sum, or two: V(out) = sum of gains V(from). What counts with a positive gain passes a sum of its own (`inverted`)
   /// first, so that every term ends at a virtual ground: a rectifier that rests is no source, only its feedback's
-  /// resistance; that one is made smaller, and counts for more after it, where it would reach the op-amp's swing. `rows`: for each point that counts the terms' voltages and, last, what the sum should be. The place of its op-amp.
+  /// resistance. Where that sum would reach the op-amp's swing it is made smaller, and counts for more after it. `rows`: for each
+  /// point that counts the terms' voltages and, last, what the sum should be. The place of its op-amp.
   int signed_sum(const std::vector<std::string>& from, const std::vector<double>& gains,
                  const std::vector<std::vector<double>>& rows, const std::string& role,
                  const std::string& out, const std::string& inverted);

@@ -18,7 +18,7 @@ int run_model(const std::vector<std::string>& arguments) {
   CommandLine line(
       "model", "bodesmith model disturbance.json -o stage.toml",
       "What was designed, built or identified as a model of named blocks, for simulate, compensate and\n"
-      "diagnose: sections, a cascade, a circuit as its parts make it, a board's CAMs, a stage, a run's folder. Several files\n"
+      "diagnose: sections, a cascade, a circuit as its parts make it, a board's CAMs as they run, a stage, a run's folder. Several files\n"
       "are blocks in series, in their order.");
   line.positional("FILE|DIR...", 1, -1);
   line.option<double>("operating-hz",
@@ -50,6 +50,13 @@ int run_model(const std::vector<std::string>& arguments) {
              chain::model_text(model, "made by bodesmith model from " + join(line.files(), ", ")));
   Json json = json_header("model_summary", from);
   json["blocks"] = blocks;
+  for (const project::ModelRequest::Board& board : asked.boards) {
+    text += fmt::format("  within {} % of the board as its switches make it, {} to {} Hz\n",
+                        rounded_text(board.worst_percent, 2), rounded_text(board.band.from.value),
+                        rounded_text(board.band.to.value));
+    json["boards"].push_back({{"band_hz", {board.band.from.value, board.band.to.value}},
+                              {"max_complex_percent", board.worst_percent}});
+  }
   return print_summary(line, fmt::format("{} blocks in series\n{}", model.blocks.size(), text), json);
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <complex>
 #include <map>
 #include <numbers>
 
@@ -12,8 +11,8 @@
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
 #include "fpaa/plan/plan.hpp"
-#include "fpaa/plan/plan_graph.hpp"
 #include "project/output/circuit_model.hpp"
+#include "project/output/plan_model.hpp"
 #include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::project {
@@ -23,41 +22,6 @@ using chain::Block;
 using chain::chain_of;
 using chain::make_block;
 using chain::stage_block;
-
-/// Of c0 + c1/z + c2/z^2, without those at z = 0 and infinity.
-std::vector<Complex> z_roots(std::vector<double> c) {
-  while (!c.empty() && c.front() == 0.0) c.erase(c.begin());
-  const double a = c.empty() ? 0.0 : c[0], b = c.size() > 1 ? c[1] : 0.0, d = c.size() > 2 ? c[2] : 0.0;
-  if (d != 0.0) {
-    const Complex root = std::sqrt(Complex(b * b - 4.0 * a * d));
-    // The greater of both first: the other one without cancellation.
-    const Complex q = -0.5 * (b + (b >= 0.0 ? root : -root));
-    return {q / a, d / q};
-  }
-  return b == 0.0 ? std::vector<Complex>{} : std::vector<Complex>{-b / a};
-}
-
-std::vector<Complex> analog_roots(const std::vector<double>& c, double clock_hz) {
-  std::vector<Complex> out;
-  for (const Complex& z : z_roots(c)) {
-    if (std::abs(z.imag()) < 1e-12 * std::abs(z) && z.real() <= 0.0) continue;
-    out.push_back(clock_hz * std::log(z));
-  }
-  return out;
-}
-
-/// The CAM's section, equal to it at 0 Hz, or, where it is 0 there, at its poles' frequency.
-Section section_of(const fpaa::PlacedCam& cam) {
-  const double clock = cam.clock_a.value;
-  Section out;
-  out.zeros = analog_roots(cam.z.numerators[0], clock);
-  out.poles = analog_roots(cam.z.denominator, clock);
-  RadPerSecond w{0.0};
-  if (std::abs(cam.z.dc_gain()) < 1e-9 && !out.poles.empty()) w = {std::abs(out.poles.front())};
-  const Complex ratio = cam.z.response(w, cam.clock_a) / out.response(Complex(0.0, w.value));
-  out.gain = std::copysign(std::abs(ratio), ratio.real());
-  return out;
-}
 
 std::vector<Block> from_sections(const Node& node, ModelRequest&) {
   return chain_of(Sections::from_node(node), "Section").blocks;
@@ -108,23 +72,10 @@ std::vector<Block> from_disturbance(const Node& node, ModelRequest& asked) {
   return out;
 }
 
-/// Its CAMs: the analog sections whose roots, z = exp(s/clock), are those that the capacitors make; a zero that no s has (z <= 0)
-/// lies at infinity. Holds are not in it.
-std::vector<Block> from_plan(const Node& node, ModelRequest&) {
-  const fpaa::Plan plan = fpaa::Plan::from_node(node);
-  const fpaa::PlanGraph graph = value_or_throw(fpaa::plan_graph(plan));
-  if (!graph.output.node) node.fail("has no output that is wired");
-  // From the output back to the pin.
-  std::vector<Block> out;
-  for (std::optional<std::size_t> at = graph.output.node; at;) {
-    const fpaa::PlanGraph::PlanNode& cam = graph.nodes[*at];
-    if (cam.inputs.size() != 1)
-      node.fail(fmt::format("is no chain: {} takes {} inputs, expected one", cam.name, cam.inputs.size()));
-    const std::vector<Block> blocks = stage_blocks(section_of(*cam.cam), cam.cam->name);
-    out.insert(out.begin(), blocks.begin(), blocks.end());
-    at = cam.inputs.front().from.node;
-  }
-  return out;
+std::vector<Block> from_plan(const Node& node, ModelRequest& asked) {
+  PlanModel out = plan_model(fpaa::Plan::from_node(node));
+  asked.boards.push_back({out.stated, out.worst_percent});
+  return std::move(out.blocks);
 }
 
 using Reader = std::vector<Block> (*)(const Node&, ModelRequest&);

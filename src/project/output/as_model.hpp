@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "chain/chain.hpp"
 #include "signal/disturbance.hpp"
@@ -14,10 +15,16 @@ struct ModelRequest {
   /// Share of the stroke that a stiff load leaves a stage (Disturbance::at_load).
   std::optional<double> load_stroke;
   bool used = false;  ///< some file was a disturbance, which asks for them
+  /// How near a board's sections are to it, of every plan (plan_model.hpp).
+  struct Board {
+    Band band;
+    double worst_percent = 0.0;
+  };
+  std::vector<Board> boards;
 };
 
-/// What was designed, built or identified as named blocks: sections, a cascade, a circuit as its parts make it, a board's CAMs (a
-/// chain), a disturbance, a model, or the model of a folder that `run` wrote. InputError for any other file.
+/// What was designed, built or identified as named blocks: sections, a cascade, a circuit as its parts make it, a board's chain
+/// of CAMs, a disturbance, a model, or the model of a folder that `run` wrote. InputError for any other file.
 chain::Chain as_model(const std::filesystem::path& path, ModelRequest& asked, Provenance& from);
 
 }  // namespace bodesmith::project

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <string>
@@ -12,6 +13,7 @@
 #include "base/documents/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "lti/sections.hpp"
@@ -33,8 +35,17 @@ Section section(double gain, std::vector<Complex> zeros, std::vector<Complex> po
   return {gain, std::move(zeros), std::move(poles)};
 }
 
-/// z = exp(s/clock): far below the clock a board's chain is its sections; roots of every kind come back.
-TEST(AsModel, ABoardsChainIsItsSectionsFarBelowTheClock) {
+chain::Chain model_of(const fpaa::Plan& plan, ModelRequest& request) {
+  Json json = plan.to_json();
+  json["schema"] = "bodesmith.fpaa_plan/1";
+  const TemporaryFolder folder;
+  write_file(folder / "it.json", to_text(json));
+  Provenance from;
+  return as_model(folder / "it.json", request, from);
+}
+
+/// Stages follow their inputs within a phase: by its samples alone this board is 8 degrees from what it does.
+TEST(AsModel, ABoardsChainIsTheBoardAsItsSwitchesMakeIt) {
   Sections sections;
   sections.sections = {section(1.0, {-300.0}, {-500.0}),
                        section(2e6, {}, {{-400.0, 1300.0}, {-400.0, -1300.0}}),
@@ -42,14 +53,58 @@ TEST(AsModel, ABoardsChainIsItsSectionsFarBelowTheClock) {
   fpaa::PlanOptions options;
   options.topology = fpaa::PlanOptions::Topology::chain;
   const fpaa::Plan plan = value_or_throw(fpaa::make_plan(sections, options));
-  Json json = plan.to_json();
-  json["schema"] = "bodesmith.fpaa_plan/1";
-  const chain::Chain model = model_of(to_text(json));
+  ModelRequest request;
+  const chain::Chain model = model_of(plan, request);
+  ASSERT_EQ(request.boards.size(), 1u);
+  const double stated = 0.01 * request.boards[0].worst_percent;
+  EXPECT_LT(stated, 0.01 * plan.error_with_delays.max_complex_percent);
   const fpaa::SwitchedBoard board(plan);
-  for (const double f : {3.0, 40.0, 200.0, 390.0}) {
+  for (const double f : {20.0, 40.0, 200.0, 390.0}) {
     const RadPerSecond w = Hertz{f}.rad_s();
-    EXPECT_NEAR(std::abs(*model.response(w) / board.gain(w)), 1.0, 0.02) << f;
+    if (Hertz{f} < plan.error_with_delays.band.from || plan.error_with_delays.band.to < Hertz{f}) continue;
+    EXPECT_LE(std::abs(*model.response(w) / board.gain(w) - 1.0), stated) << f;
   }
+  // One section has a zero at rest, and every CAM its own name.
+  EXPECT_EQ(*model.response({0.0}), 0.0);
+  for (const fpaa::PlacedCam* cam : plan.cams()) {
+    EXPECT_TRUE(std::ranges::any_of(model.blocks, [&](const chain::Block& block) {
+      return block.part.starts_with(cam->name);
+    })) << cam->name;
+  }
+}
+
+/// What a Hold shows is half a cycle old and more: no section is that, so the model has a delay.
+TEST(AsModel, ABoardsHoldIsADelay) {
+  Sections sections;
+  sections.sections = {section(1000.0, {}, {-1000.0})};
+  fpaa::PlanOptions options;
+  options.topology = fpaa::PlanOptions::Topology::chain;
+  fpaa::Plan plan = value_or_throw(fpaa::make_plan(sections, options));
+  ModelRequest request;
+  const auto has_delay = [](const chain::Chain& model) {
+    return std::ranges::any_of(model.blocks,
+                               [](const chain::Block& block) { return block.type_name() == "delay"; });
+  };
+  EXPECT_FALSE(has_delay(model_of(plan, request)));
+  fpaa::PlacedCam hold;
+  hold.name = "Late";
+  hold.cam = fpaa::cam_registry().find("Hold");
+  hold.cab = 4;
+  hold.clock_a = plan.cams().front()->clock_a;
+  hold.delay_cycles = 0.5;
+  hold.resources = *hold.cam->facts().resources;
+  hold.find_z();
+  plan.chips.front().cams.push_back(hold);
+  for (fpaa::Wire& wire : plan.wires) {
+    if (wire.to == plan.output_pin()) wire.to = "chip1.Late";
+  }
+  plan.wires.push_back({"chip1.Late", "chip1.out1", 1});
+  const chain::Chain late = model_of(plan, request);
+  EXPECT_TRUE(has_delay(late));
+  const RadPerSecond w = plan.error_with_delays.band.to.rad_s();
+  EXPECT_LE(std::abs(*late.response(w) / fpaa::SwitchedBoard(plan).gain(w) - 1.0),
+            0.01 * request.boards.back().worst_percent);
+  EXPECT_LT(request.boards.back().worst_percent, 0.5);
 }
 
 TEST(AsModel, AnIdentifiedStageIsScaledAtBothEndsAndLagsWhereItDoes) {

@@ -7,6 +7,8 @@
 
 #include "base/constants.hpp"
 #include "base/documents/json.hpp"
+#include "numeric/random.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -43,6 +45,23 @@ MismatchModel MismatchModel::from_node(const Node& node, MismatchModel out) {
 
 double error_of_95_percent(std::complex<double> offset, double sigma) {
   return std::abs(offset) + kTwoSided95 * sigma;
+}
+
+double error_of_95_percent(std::span<const std::complex<double>> errors,
+                           const std::vector<std::vector<std::complex<double>>>& effects, int boards,
+                           std::uint64_t seed) {
+  Random random(seed);
+  std::vector<std::complex<double>> of_board(errors.size());
+  std::vector<double> worst(static_cast<std::size_t>(boards), 0.0);  // squared
+  for (double& largest : worst) {
+    std::ranges::copy(errors, of_board.begin());
+    for (const auto& effect : effects) {
+      const double x = random.normal();
+      for (std::size_t k = 0; k < of_board.size(); ++k) of_board[k] += x * effect[k];
+    }
+    for (const std::complex<double>& error : of_board) largest = std::max(largest, std::norm(error));
+  }
+  return std::sqrt(quantile(std::move(worst), 0.95));
 }
 
 double NoiseModel::unit_noise_v() const {

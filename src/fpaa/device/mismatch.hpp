@@ -3,6 +3,8 @@
 #include <complex>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "base/documents/document.hpp"
 #include "base/documents/json_fwd.hpp"
@@ -34,8 +36,19 @@ struct MismatchModel {
 
 /// An error that about 95 of 100 boards keep at one frequency: the designed complex error `offset` with a
 /// random one of standard deviation `sigma` (linear: the root of the summed squares of what each capacitor
-/// adds there). Cheap and smooth, for a search; plan_total() and `yield` draw boards.
+/// adds there). Cheap and smooth, for a search.
 double error_of_95_percent(std::complex<double> offset, double sigma);
+
+/// What 95 % of boards keep of an error over a grid, the quantile of
+///   max_k |errors_k + sum_c x_c effects_ck|,   x_c standard normal, of so many drawn boards:
+/// known to .7/sqrt(boards) where an error has two parts.
+/// `effects`, [capacitor][frequency]: what a standard deviation of each capacitor adds, to the first order.
+double error_of_95_percent(std::span<const std::complex<double>> errors,
+                           const std::vector<std::vector<std::complex<double>>>& effects, int boards,
+                           std::uint64_t seed);
+
+/// Of which figures are stated.
+inline constexpr int kDrawnBoards = 5000;
 
 /// What kT/C noise needs besides the capacitors in units. The unit capacitance is not publicly known: an
 /// ASSUMPTION that the user may set.
@@ -53,9 +66,6 @@ struct NoiseModel {
 
   Json to_json() const;
 };
-
-/// So many boards are drawn where one is judged: what 95 % of them keep is then known to some 5 %.
-inline constexpr int kDrawnBoards = 300;
 
 /// What makes stages follow late, and settle. Of this chip's nothing is publicly known: where the user gives nothing stages follow
 /// at once.

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "numeric/parallel_for.hpp"
-#include "numeric/random.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -25,40 +24,28 @@ std::vector<Complex> DrawnBoard::response(std::span<const double> units) const {
   return gains(board, grid_);
 }
 
+std::vector<std::vector<Complex>> DrawnBoard::slopes(std::span<const double> units) const {
+  std::vector<std::vector<Complex>> out(units.size(), std::vector<Complex>(grid_.size(), 0.0));
+  parallel_for(units.size(), thread_count(0), [&](std::size_t c) {
+    if (!(units[c] > 0.0)) return;
+    std::vector<double> moved(units.begin(), units.end());
+    const auto with = [&](double step) {
+      moved[c] = units[c] * std::exp(step);
+      return response(moved);
+    };
+    const std::vector<Complex> up = with(kSensitivityStep);
+    const std::vector<Complex> down = with(-kSensitivityStep);
+    for (std::size_t k = 0; k < grid_.size(); ++k) out[c][k] = (up[k] - down[k]) / (2.0 * kSensitivityStep);
+  });
+  return out;
+}
+
 std::vector<std::vector<Complex>> DrawnBoard::sensitivities(std::span<const double> units) const {
-  SwitchedBoard board = board_;
-  std::vector<double> moved(units.begin(), units.end());
-  std::vector<std::vector<Complex>> out(moved.size(), std::vector<Complex>(grid_.size(), 0.0));
-  const auto with = [&](std::size_t c, double step) {
-    moved[c] = units[c] * std::exp(step);
-    board.set_units(moved);
-    return gains(board, grid_);
-  };
-  for (std::size_t c = 0; c < moved.size(); ++c) {
-    if (!(units[c] > 0.0)) continue;
-    const std::vector<Complex> up = with(c, kSensitivityStep);
-    const std::vector<Complex> down = with(c, -kSensitivityStep);
-    moved[c] = units[c];
-    for (std::size_t k = 0; k < grid_.size(); ++k)
-      out[c][k] = (up[k] - down[k]) / (kSensitivityStep * (up[k] + down[k]));
+  std::vector<std::vector<Complex>> out = slopes(units);
+  const std::vector<Complex> at = response(units);
+  for (std::vector<Complex>& of_one : out) {
+    for (std::size_t k = 0; k < at.size(); ++k) of_one[k] /= at[k];
   }
-  return out;
-}
-
-std::vector<double> DrawnBoard::drawn(const MismatchModel& mismatch, Random& random) const {
-  std::vector<double> out;
-  out.reserve(capacitor_count());
-  for (const double units : nominal_units()) out.push_back(mismatch.drawn(units, random.normal()));
-  return out;
-}
-
-std::vector<std::vector<Complex>> DrawnBoard::drawn_responses(const MismatchModel& mismatch, int draws,
-                                                              std::uint64_t seed) const {
-  std::vector<std::vector<double>> boards;
-  Random random(seed);
-  for (int draw = 0; draw < draws; ++draw) boards.push_back(drawn(mismatch, random));
-  std::vector<std::vector<Complex>> out(boards.size());
-  parallel_for(boards.size(), thread_count(0), [&](std::size_t i) { out[i] = response(boards[i]); });
   return out;
 }
 

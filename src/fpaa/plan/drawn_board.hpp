@@ -9,10 +9,6 @@
 #include "fpaa/plan/switched_board.hpp"
 #include "lti/frequency_grid.hpp"
 
-namespace bodesmith {
-class Random;
-}
-
 namespace bodesmith::fpaa {
 
 /// A plan as its switches make it, at the frequencies of a grid, as a function of what its capacitors really are:
@@ -34,14 +30,11 @@ class DrawnBoard {
 
   /// From the input pin to the output pin, at the grid.
   std::vector<Complex> response(std::span<const double> units) const;
-  /// d ln H / d ln C of every capacitor: [capacitor][frequency].
+  /// d H / d ln C of every capacitor: [capacitor][frequency].
+  std::vector<std::vector<Complex>> slopes(std::span<const double> units) const;
+  /// d ln H / d ln C, likewise.
   std::vector<std::vector<Complex>> sensitivities(std::span<const double> units) const;
   const PlanGraph& graph() const { return board_.graph(); }
-  /// The capacitors of one board.
-  std::vector<double> drawn(const MismatchModel& mismatch, Random& random) const;
-  /// Of so many boards, [board][frequency].
-  std::vector<std::vector<Complex>> drawn_responses(const MismatchModel& mismatch, int draws,
-                                                    std::uint64_t seed) const;
   /// Where the first-order variance of the response is largest over the grid, each capacitor's share of it, largest first.
   struct Share {
     std::string capacitor;

@@ -14,13 +14,12 @@
 #include "fpaa/plan/plan_limits.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "numeric/parallel_for.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
 constexpr int kPoints = 200;         ///< of the band, for the response's errors
-constexpr int kMismatchPoints = 40;  ///< of the band, for each drawn board
+constexpr int kMismatchPoints = 40;  ///< of the band, for boards with other capacitors
 constexpr int kNoisePoints = 60;     ///< of the band
 constexpr int kNodePoints = 300;     ///< from 0 to half the fastest clock
 constexpr int kNoiseCost = 10;       ///< of a noise density, in gains
@@ -111,9 +110,10 @@ void add_settling(const Plan& plan, ErrorBudget& out) {
   }
 }
 
-/// The plan for `kDrawnBoards` boards with other capacitors: over the band and near sharp roots.
+/// The plan with other capacitors: over the band and near sharp roots.
 DrawnBoard drawn_board(const SwitchedBoard& switched, const Sections& sections, Band band) {
-  std::vector<Hertz> grid = log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDrawnBoards));
+  std::vector<Hertz> grid = log_grid(band, affordable(kMismatchPoints, switched.pieces(),
+                                                      2 * static_cast<int>(switched.nominal_units().size())));
   const std::vector<Hertz> sharp = about_sharp_roots(sections, band);
   grid.insert(grid.end(), sharp.begin(), sharp.end());
   return {switched, std::move(grid)};
@@ -129,21 +129,25 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
   const Band band = plan.error_with_delays.band;
   const DrawnBoard board = drawn_board(switched, sections, band);
   const std::vector<Hertz>& grid = board.grid();
+  // To the first order about the capacitors that boards have on average.
+  std::vector<double> average = board.nominal_units();
+  for (double& units : average) units = assumptions.mismatch.drawn(units, 0.0);
   const std::vector<Complex> designed = board.response(board.nominal_units());
-  std::vector<double> worst;
-  std::vector<double> moved;
-  for (const auto& got : board.drawn_responses(assumptions.mismatch, kDrawnBoards, assumptions.seed)) {
-    double error = 0.0;
-    double change = 0.0;
-    for (std::size_t k = 0; k < grid.size(); ++k) {
-      const double size = error_reference(sections, grid[k].rad_s());
-      error = std::max(error, 100.0 * std::abs(got[k] - sections.response(grid[k].rad_s())) / size);
-      change = std::max(change, 100.0 * std::abs(got[k] - designed[k]) / size);
+  std::vector<Complex> error = board.response(average);
+  std::vector<Complex> change = error;
+  std::vector<std::vector<Complex>> effects = board.slopes(average);
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const double size = error_reference(sections, grid[k].rad_s());
+    error[k] = (error[k] - sections.response(grid[k].rad_s())) / size;
+    change[k] = (change[k] - designed[k]) / size;
+    for (std::size_t c = 0; c < average.size(); ++c) {
+      const double units = board.nominal_units()[c];
+      if (units > 0.0)
+        effects[c][k] *= assumptions.mismatch.relative_sigma(units) * units / average[c] / size;
     }
-    worst.push_back(error);
-    moved.push_back(change);
   }
-  out.mismatch_p95_percent = quantile(std::move(moved), 0.95);
+  const double worst = 100.0 * error_of_95_percent(error, effects, kDrawnBoards, assumptions.seed);
+  out.mismatch_p95_percent = 100.0 * error_of_95_percent(change, effects, kDrawnBoards, assumptions.seed);
   double asked = 1.0;  // the largest of the input itself and the response that was asked for
   for (const Hertz f : log_grid(band, kPoints))
     asked = std::max(asked, std::abs(sections.response(f.rad_s())));
@@ -156,8 +160,7 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
   for (const Complex h : designed) largest = std::max(largest, std::abs(h));
   const double sine_rms_v = out.at_input_v * largest / std::numbers::sqrt2;
   out.noise_percent = sine_rms_v > 0.0 ? 100.0 * rms_v / sine_rms_v : 0.0;
-  out.p95_percent =
-      std::hypot(std::max(quantile(std::move(worst), 0.95), out.designed_percent), out.noise_percent);
+  out.p95_percent = std::hypot(std::max(worst, out.designed_percent), out.noise_percent);
   return out;
 }
 

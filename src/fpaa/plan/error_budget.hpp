@@ -60,7 +60,8 @@ struct ErrorBudget {
 /// known).
 ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions);
 
-/// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and 300 drawn boards.
+/// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and drawn boards, to the first
+/// order in what each capacitor is off.
 PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,
                      const BoardAssumptions& assumptions);
 

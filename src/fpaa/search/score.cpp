@@ -5,8 +5,6 @@
 #include <numbers>
 
 #include "fpaa/plan/plan_limits.hpp"
-#include "numeric/random.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -182,25 +180,26 @@ namespace {
 double drawn_p95(const std::vector<Complex>& errors, const CapacitorEffects& effects, const Design& design,
                  const DesignTarget& target, const MismatchModel& mismatch) {
   constexpr std::size_t kDrawnAt = 50;  // of the grid, evenly
+  constexpr int kBoards = 300;          // the same ones for every design: enough to tell which is better
   std::vector<std::size_t> at;
   for (std::size_t k = 0; k < errors.size(); ++k) {
     if (target.weight[k] >= 1.0) at.push_back(k);
   }
   const std::size_t every = at.size() / kDrawnAt + 1;
-  std::vector<double> worst;
-  std::vector<Complex> error;
-  Random random(1);
-  for (int draw = 0; draw < kDrawnBoards; ++draw) {
-    error.clear();
-    for (std::size_t i = 0; i < at.size(); i += every) error.push_back(errors[at[i]]);
-    for (const CapacitorEffect& effect : effects.list) {
-      const double units = design.stages[effect.stage].c[effect.capacitor];
-      const double by = mismatch.drawn(units, random.normal()) / units - 1.0;
-      for (std::size_t i = 0; i < error.size(); ++i) error[i] += by * effect.values[at[i * every]];
-    }
-    worst.push_back(largest_error(error));
+  const auto thinned = [&](std::span<const Complex> values, double times) {
+    std::vector<Complex> out;
+    for (std::size_t i = 0; i < at.size(); i += every) out.push_back(times * values[at[i]]);
+    return out;
+  };
+  std::vector<Complex> error = thinned(errors, 1.0);
+  std::vector<std::vector<Complex>> of_sigma;
+  for (const CapacitorEffect& effect : effects.list) {
+    const double units = design.stages[effect.stage].c[effect.capacitor];
+    of_sigma.push_back(thinned(effect.values, mismatch.relative_sigma(units)));
+    const std::vector<Complex> systematic = thinned(effect.values, mismatch.systematic_units / units);
+    for (std::size_t i = 0; i < error.size(); ++i) error[i] += systematic[i];
   }
-  return quantile(std::move(worst), 0.95);
+  return error_of_95_percent(error, of_sigma, kBoards, 1);
 }
 
 /// The largest of all op-amps after a step.

@@ -41,7 +41,7 @@ inline constexpr double kWantedP95 = 0.015;
 inline constexpr double kWantedInputV = 1.0;
 
 /// What 95 % of boards keep: designed error and spread frequency by frequency, smooth, for a fit; or, as plans state it (plan_total), the
-/// worst over frequency of each of 300 boards drawn, here to first order in every capacitor.
+/// worst over frequency of each of 300 drawn boards.
 enum class Spread { by_frequency, by_drawn_boards };
 
 DesignScore score_of(const Design& design, const StageFactorTable& table, const BoardAssumptions& assumptions,

@@ -154,7 +154,7 @@ class ChainSearch {
 
   /// The best of all designs with whole capacitors, and those that no other one beats in both, error and input.
   std::vector<const Candidate*> unbeaten(const std::vector<Candidate>& found) const {
-    constexpr double kLess = 0.95;  // 95 % of 300 boards is known to some 5 %
+    constexpr double kLess = 0.95;  // what the search's 300 boards tell is known to some 5 %
     std::vector<const Candidate*> all;
     for (const Candidate& c : found) all.push_back(&c);
     std::ranges::stable_sort(

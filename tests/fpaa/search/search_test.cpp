@@ -132,7 +132,7 @@ TEST(Search, ANotchIsAsGoodAsItsCapacitorsCanBe) {
   ASSERT_NE(note, plan.notes.end());
   const double least = std::stod(note->substr(note->find(said) + said.size()));
   EXPECT_GT(least, 3.38);
-  EXPECT_GT(plan.total->mismatch_p95_percent, 0.9 * least);  // of 300 boards
+  EXPECT_GT(plan.total->mismatch_p95_percent, 0.9 * least);
   EXPECT_LT(plan.total->mismatch_p95_percent, 1.3 * least);
 }
 

@@ -26,6 +26,13 @@ double worst_percent_of(const std::vector<Complex>& got, const std::vector<Compl
   return worst;
 }
 
+/// The capacitors of one board.
+std::vector<double> drawn(const DrawnBoard& board, const MismatchModel& mismatch, Random& random) {
+  std::vector<double> out;
+  for (const double units : board.nominal_units()) out.push_back(mismatch.drawn(units, random.normal()));
+  return out;
+}
+
 MeasuredBoard measured_on(const Plan& plan, const std::vector<double>& units, const std::vector<Hertz>& grid,
                           double noise, bool with_phase, Random& random) {
   const DrawnBoard board(plan, grid);
@@ -218,7 +225,7 @@ TEST(Trim, FindsTheNoiseOfTheMeasurement) {
   Random random(7);
   const Plan& plan = seed_plan();
   const DrawnBoard board(plan, log_grid(plan.error.band, 60));
-  const std::vector<double> truth = board.drawn({}, random);
+  const std::vector<double> truth = drawn(board, {}, random);
   const MeasuredBoard measured = measured_on(plan, truth, board.grid(), 1e-3, true, random);
   const BoardEstimate estimate = estimate_board(plan, measured, {});
   EXPECT_NEAR(estimate.noise / 1e-3, 1.0, 0.25);
@@ -246,7 +253,7 @@ TEST(Trim, TheEstimateBalancesPriorAndMeasurement) {
   const DrawnBoard board(plan, log_grid(plan.error.band, 7));
   for (const bool with_phase : {true, false}) {
     MeasuredBoard measured =
-        measured_on(plan, board.drawn(mismatch, random), board.grid(), 1e-3, with_phase, random);
+        measured_on(plan, drawn(board, mismatch, random), board.grid(), 1e-3, with_phase, random);
     measured.deviation = 1e-3;
     const BoardEstimate got = estimate_board(plan, measured, mismatch);
     EXPECT_EQ(got.noise, 1e-3);

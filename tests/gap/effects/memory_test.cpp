@@ -5,9 +5,12 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "gap/diagnosis.hpp"
+#include "gap/effect.hpp"
 #include "gap/made_model.hpp"
+#include "gap/scene.hpp"
 
 namespace {
 
@@ -71,6 +74,56 @@ TEST(OneLoop, ABentLoopIsNoLimit) {
   options.max_terms = 2;
   const auto d = gap::diagnose(line(), gap::Study::of({bent}, {}, line()), options);
   EXPECT_FALSE(names(d, "saturation"));
+}
+
+/// Straight ways from one value to the next, a hundredth of the stroke a sample.
+TimeRecord by_ways(const std::vector<double>& ends) {
+  TimeRecord r;
+  r.file = "ways.csv";
+  r.step_s = 1e-2;
+  r.u = {ends.front()};
+  for (std::size_t i = 1; i < ends.size(); ++i) {
+    const int count = static_cast<int>(std::lround(std::abs(ends[i] - ends[i - 1]) / 0.01));
+    for (int k = 1; k <= count; ++k) r.u.push_back(ends[i - 1] + (ends[i] - ends[i - 1]) * k / count);
+  }
+  r.y = r.u;
+  return r;
+}
+
+bool may_be_asymmetric(const std::vector<TimeRecord>& train) {
+  const chain::Chain base = line();
+  const auto study = gap::Study::of(train, {train.front()}, base);
+  std::vector<gap::Proposal> proposals;
+  gap::effect_registry()
+      .get("asymmetric_hysteresis")
+      .propose(gap::make_scene(gap::Model(base), study.train()), proposals);
+  return !proposals.empty();
+}
+
+// A loop within the loop is one that is wider than what a name must explain: .15 of the stroke.
+TEST(OneLoop, IsOneThatTurnsNowhereElse) {
+  using Ends = std::vector<double>;
+  const auto is_one = [](const Ends& ends) { return !may_be_asymmetric({by_ways(ends)}); };
+  EXPECT_TRUE(is_one({0, 1, 0, 1, 0, 1}));
+  // On the way in it may turn twice anywhere, but no third time.
+  EXPECT_TRUE(is_one({0.5, 0.75, 0, 1, 0, 1}));
+  EXPECT_TRUE(is_one({0.5, 0.75, 0.25, 1, 0, 1}));
+  EXPECT_FALSE(is_one({0.5, 0.75, 0.25, 0.7, 0, 1, 0}));
+  EXPECT_FALSE(is_one({0, 1, 0, 0.5, 0, 1}));
+  EXPECT_FALSE(is_one({0, 1, 0, 1, 0.5, 1, 0}));
+  // Short of the end it turns as at the end.
+  EXPECT_TRUE(is_one({0, 1, 0, 0.87, 0, 1, 0.13, 1}));
+  EXPECT_FALSE(is_one({0, 1, 0, 0.83, 0, 1}));
+  EXPECT_FALSE(is_one({0, 1, 0, 1, 0.17, 1}));
+  // Back and forth on its way it may go as little.
+  EXPECT_TRUE(is_one({0, 1, 0, 0.6, 0.47, 1, 0}));
+  EXPECT_FALSE(is_one({0, 1, 0, 0.6, 0.43, 1, 0}));
+}
+
+TEST(OneLoop, IsOfOneRecord) {
+  const TimeRecord loop = by_ways({0, 1, 0, 1, 0, 1});
+  EXPECT_FALSE(may_be_asymmetric({loop}));
+  EXPECT_TRUE(may_be_asymmetric({loop, loop}));
 }
 
 TEST(OneLoop, IsNoGroundForAsymmetry) {

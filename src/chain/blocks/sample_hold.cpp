@@ -1,7 +1,7 @@
-#include <cmath>
 #include <numbers>
 
 #include "chain/block.hpp"
+#include "numeric/sinc.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -33,8 +33,7 @@ class SampleHold final : public BlockType {
   std::optional<Complex> response(const Block& block, RadPerSecond w) const override {
     const double cycle = w.hz().value / block.get("clock_hz");
     const double angle = std::numbers::pi * cycle;
-    const double droop = angle == 0.0 ? 1.0 : std::sin(angle) / angle;
-    return std::polar(1.0, -angle * (block.flag("half_cycle") ? 2.0 : 1.0)) * droop;
+    return std::polar(1.0, -angle * (block.flag("half_cycle") ? 2.0 : 1.0)) * sinc(angle);
   }
   Kernel kernel(const Block& block) const override {
     return std::make_unique<Hold>(block.get("clock_hz"), block.flag("half_cycle"));

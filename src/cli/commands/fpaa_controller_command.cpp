@@ -184,8 +184,9 @@ int run_fpaa_controller(const std::vector<std::string>& arguments) {
   const fpaa::ControllerOptions options = controller_options(line);
   const std::vector<Hertz> frequencies = frequencies_to_track(line);
   const tracking::PolynomialStage stage(disturbance);
-  const auto outcome = project::track_controller(disturbance, ascending ? &*ascending : nullptr,
-                                                 descending ? &*descending : nullptr, options,
+  const fpaa::BranchPlans compensators = {ascending ? &*ascending : nullptr,
+                                          descending ? &*descending : nullptr};
+  const auto outcome = project::track_controller(disturbance, compensators, options,
                                                  line.has("fast-clock-hz"), stage, frequencies);
   if (const Refusal* refusal = refusal_of(outcome))
     throw DesignError(fmt::format("{}: {}", file, refusal->reason));
@@ -195,7 +196,7 @@ int run_fpaa_controller(const std::vector<std::string>& arguments) {
   const auto streams = fpaa::controller_streams(controller.best(), disturbance);
   json["stream"] = stream_json(streams);
   write_controller(line.output_path(), controller, json, tracking, disturbance,
-                   fpaa::drive_range(disturbance, ascending.has_value(), descending.has_value()), streams);
+                   fpaa::drive_range(disturbance, compensators), streams);
   return print_summary(line,
                        controller_text(controller, tracking) + stream_text(streams) +
                            fmt::format("written to {}\n", line.output_path().string()),

@@ -24,11 +24,10 @@ class FilterBiquad : public FilterCam {
   /// CA and CB are two banks each.
   std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,
                                            std::span<const std::string>) const override {
-    constexpr int kUnitsOfBank = 255;
     std::vector<Capacitor> out;
     for (const Capacitor& c : cam.capacitors) {
       if (c.name == "CA" || c.name == "CB") {
-        const int first = std::min(c.units, kUnitsOfBank);
+        const int first = std::min(c.units, kMostUnits);
         out.push_back({c.name + "1", first});
         out.push_back({c.name + "2", c.units - first});
       } else {

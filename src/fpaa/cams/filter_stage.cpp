@@ -8,12 +8,6 @@
 #include "base/whole_number.hpp"
 
 namespace bodesmith::fpaa {
-namespace {
-
-constexpr double kUnitsOfBank = 255.0;
-
-}  // namespace
-
 bool FilterStage::is_vendors() const {
   if (is_first()) return inputs() == 1;
   return (c[kC1] > 0.0) + (c[kCp] > 0.0) + (c[kCpp] > 0.0) == 1 && c1_inverting;
@@ -25,7 +19,7 @@ int FilterStage::capacitor_count() const {
 
 Resources FilterStage::resources() const {
   int capacitors = capacitor_count();
-  if (!is_first()) capacitors += (std::round(c[kCA]) > kUnitsOfBank) + (std::round(c[kCB]) > kUnitsOfBank);
+  if (!is_first()) capacitors += (std::round(c[kCA]) > kMostUnits) + (std::round(c[kCB]) > kMostUnits);
   return {.opamps = opamps(), .capacitors = capacitors};
 }
 
@@ -54,9 +48,9 @@ bool FilterStage::is_stable() const {
   return std::abs(q2) < first && std::abs(q1 + 2.0 * q2) < first + q2;
 }
 
-double FilterStage::largest_units(std::size_t capacitor, int max_capacitor) const {
+double FilterStage::largest_units(std::size_t capacitor) const {
   const bool two = !is_first() && (capacitor == kCA || capacitor == kCB) && capacitor_count() <= 6;
-  return two ? 2.0 * max_capacitor : max_capacitor;
+  return two ? 2.0 * kMostUnits : kMostUnits;
 }
 
 double FilterStage::switched_units(int opamp) const {
@@ -135,7 +129,7 @@ StageSwitches FilterStage::switches(const std::vector<std::string>& names, bool 
   const PlateNode first = PlateNode::opamp(1);
   const bool high = kind == Kind::second_high;
   const auto add_feedback = [&](std::size_t at, PlateNode from, int opamp) {
-    const double one = banks ? std::min(c[at], kUnitsOfBank) : c[at];
+    const double one = banks ? std::min<double>(c[at], kMostUnits) : c[at];
     add(static_branch(banks ? names[at] + "1" : names[at], one, from, opamp));
     if (c[at] > one) add(static_branch(names[at] + "2", c[at] - one, from, opamp));
   };

@@ -51,7 +51,7 @@ struct FilterStage {
   /// Poles inside the unit circle (Jury's conditions).
   bool is_stable() const;
   /// How large this capacitor may be: CA and CB have two banks in a stage with one input.
-  double largest_units(std::size_t capacitor, int max_capacitor) const;
+  double largest_units(std::size_t capacitor) const;
   /// The capacitors whose sum is switched into op-amp `opamp` (1 or 2): they bring kT/C noise there.
   double switched_units(int opamp) const;
 

@@ -2,18 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/cams/transfer_function.hpp"
 
 namespace bodesmith::fpaa {
 
 double Multiplier::quantised(double y_v) {
-  const double step = 6.0 / 256.0;
-  const double code = std::clamp(std::floor((y_v + 3.0) / step), 0.0, 255.0);
-  return (code + 0.5) * step - 3.0;
+  return LookupTable::input_v(LookupTable::entry_of(y_v));
 }
 
 namespace {

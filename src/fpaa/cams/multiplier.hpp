@@ -14,7 +14,7 @@ struct Multiplier {
   static const char* option() { return "Sample and Hold Off"; }
   CamValues values() const { return {{"scale_per_v", scale_per_v}}; }
 
-  /// What the converter makes of Y: the middle of one of 256 steps of 6/256 V.
+  /// What the converter makes of Y, as that of a look-up table (transfer_function.hpp): the middle of one of 256 steps.
   static double quantised(double y_v);
   double output(double x_v, double y_v) const { return scale_per_v * x_v * quantised(y_v); }
 };

@@ -1,3 +1,5 @@
+
+#include "fpaa/device/board.hpp"
 #pragma once
 
 #include <string>
@@ -47,7 +49,7 @@ struct StageCapacitor {
 };
 
 /// Units of a capacitor that only holds.
-inline constexpr int kHoldUnits = 255;
+inline constexpr int kHoldUnits = kMostUnits;
 
 struct StageOpAmp {
   int reset_phase =

@@ -15,10 +15,10 @@
 namespace bodesmith::fpaa {
 
 std::size_t LookupTable::entry_of(double in_v) {
-  return whole_number<std::size_t>(std::floor((in_v + 3.0) * 256.0 / 6.0), 0, 255);
+  return whole_number<std::size_t>(std::floor((in_v + kFullScaleV) * 256.0 / (2.0 * kFullScaleV)), 0, 255);
 }
 
-Outcome<LookupTable> LookupTable::of(const std::function<double(double)>& function, double full_scale_v) {
+Outcome<LookupTable> LookupTable::of(const std::function<double(double)>& function) {
   LookupTable out;
   std::array<double, 256> wanted{};
   double peak = 0.0;
@@ -29,11 +29,11 @@ Outcome<LookupTable> LookupTable::of(const std::function<double(double)>& functi
           fmt::format("the look-up function is not finite at {} V, expected a number at every input",
                       rounded_text(input_v(entry)))};
     }
-    wanted[entry] = std::clamp(v, -full_scale_v, full_scale_v);
+    wanted[entry] = std::clamp(v, -kFullScaleV, kFullScaleV);
     peak = std::max(peak, std::abs(wanted[entry]));
   }
   if (peak == 0.0) return Refusal{"the look-up function is 0 everywhere, expected one that is not"};
-  out.cout = nearest_whole<int>(254.0 / peak, 1, 255);
+  out.cout = nearest_whole<int>(254.0 / peak, 1, kMostUnits);
   for (std::size_t entry = 0; entry < wanted.size(); ++entry) {
     const double code = std::round(128.0 + 0.5 * wanted[entry] * out.cout);
     out.bytes[entry] = whole_number<std::uint8_t>(code);

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "fpaa/cams/cam_values.hpp"
+#include "fpaa/device/board.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -18,14 +19,16 @@ struct LookupTable {
   int cout = 127;
 
   /// Voltage at the middle of an entry's input step.
-  static double input_v(std::size_t entry) { return (static_cast<double>(entry) + 0.5) * 6.0 / 256.0 - 3.0; }
+  static double input_v(std::size_t entry) {
+    return (static_cast<double>(entry) + 0.5) * 2.0 * kFullScaleV / 256.0 - kFullScaleV;
+  }
   static std::size_t entry_of(double input_v);
   double output_v(std::size_t entry) const { return 2.0 * (bytes[entry] - 128) / cout; }
   double output(double in_v) const { return output_v(entry_of(in_v)); }
 
-  /// The table of a static function of volts; `full_scale` limits it to +- that. Refused when it is 0
+  /// The table of a static function of volts, limited to full scale. Refused when it is 0
   /// everywhere or not finite.
-  static Outcome<LookupTable> of(const std::function<double(double)>& function, double full_scale_v = 3.0);
+  static Outcome<LookupTable> of(const std::function<double(double)>& function);
   /// The table as a placed CAM carries it ("cout", "table_hex": 512 digits), and back.
   CamValues values() const;
   static LookupTable from(const CamValues& values);

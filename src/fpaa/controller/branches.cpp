@@ -15,8 +15,7 @@ namespace {
 using Direction = Disturbance::Branch;
 
 /// X Y/3 keeps a product of full-scale voltages at full scale.
-constexpr Multiplier kFullScaleMultiplier{.scale_per_v = 1.0 / 3.0};
-constexpr double kFullScaleV = 3.0;
+constexpr Multiplier kFullScaleMultiplier{.scale_per_v = 1.0 / kFullScaleV};
 /// Of full scale that a branch's output may take.
 constexpr double kBranchV = 2.9;
 /// Of a sine that a compensator takes: the disturbance is no sine.
@@ -79,37 +78,32 @@ const char* ControllerBranches::name_of(Direction branch) {
 }
 
 ControllerBranches::ControllerBranches(ControllerVariant& variant, const Disturbance& disturbance,
-                                       const Plan* ascending, const Plan* descending,
-                                       const ControllerOptions& options)
+                                       const BranchPlans& compensators, const ControllerOptions& options)
     : out_(variant),
       disturbance_(disturbance),
       options_(options),
       board_(board_by_name(options.board)),
-      range_(drive_range(disturbance, ascending != nullptr, descending != nullptr)) {
-  for (const Direction branch : {Direction::ascending, Direction::descending}) {
-    Side& made = branch == Direction::ascending ? ascending_ : descending_;
-    const Plan* plan = branch == Direction::ascending ? ascending : descending;
+      range_(drive_range(disturbance, compensators)) {
+  for (const Direction branch : kBranches) {
+    Side& made = sides_[branch_index(branch)];
+    const Plan* plan = compensators[branch_index(branch)];
     made.compensated = plan != nullptr;
     made.most_v = plan != nullptr && plan->max_input_v > 0.0
                       ? std::min(kBranchV, kCompensatorShare * plan->max_input_v)
                       : kBranchV;
     made.greatest = greatest_disturbance(disturbance, branch, range_);
-    const std::vector<double> gains = rate_gains(disturbance, branch, made.compensated);
+    const std::vector<double> gains = rate_gains(disturbance, branch, compensators);
     made.greatest_gain = *std::ranges::max_element(gains);
     if (out_.by != PolynomialBy::lookup) made.weights = power_weights(branch);
   }
   // As capacitors make it: the branches' own gains then take up the difference.
   ControllerCam sum = cam("Output", sum_diff_cam(), {"r", "Branch"});
   sum.weights = {1.0, -wanted_output_weight()};
-  set_weights_first_exact(sum, board_.max_capacitor);
+  set_weights_first_exact(sum);
   output_weight_ = -sum.realised.required_number("gain_2");
-  for (Side* made : {&ascending_, &descending_}) {
-    for (double& w : made->weights) w /= output_weight_;
+  for (Side& made : sides_) {
+    for (double& w : made.weights) w /= output_weight_;
   }
-}
-
-const ControllerBranches::Side& ControllerBranches::side(Direction branch) const {
-  return branch == Direction::ascending ? ascending_ : descending_;
 }
 
 /// Of the signals that add_powers() names, for an output weight of 1. Outside V = S x, S x^2, S x^3; on the
@@ -126,11 +120,10 @@ std::vector<double> ControllerBranches::power_weights(Direction branch) const {
 
 double ControllerBranches::wanted_output_weight() const {
   double out = 0.0;
-  for (const Side* made : {&ascending_, &descending_}) {
-    out = std::max(out, made->greatest_gain * made->greatest * out_.scale.volts_per_stroke / made->most_v);
-    for (const double w : made->weights) {
-      out = std::max(out, made->greatest_gain * std::abs(w) / kGreatestWeight);
-    }
+  for (const Side& made : sides_) {
+    out = std::max(out, made.greatest_gain * made.greatest * out_.scale.volts_per_stroke / made.most_v);
+    for (const double w : made.weights)
+      out = std::max(out, made.greatest_gain * std::abs(w) / kGreatestWeight);
   }
   return out > 0.0 ? out : 1.0;
 }
@@ -191,9 +184,10 @@ void ControllerBranches::finish(ControllerCam& cam, std::vector<double> weights,
   }
   cam.weights = std::move(weights);
   cam.products = std::move(products);
-  if (!side(branch).compensated && !disturbance_.rate.frequency.empty()) cam.scheduled = branch;
+  if (!sides_[branch_index(branch)].compensated && !disturbance_.rate.frequency.empty())
+    cam.scheduled = branch;
   cam.group = group;
-  set_weights(cam, 1.0, board_.max_capacitor);
+  set_weights(cam, 1.0);
 }
 
 std::vector<double> ControllerBranches::products_of(const std::vector<std::vector<double>>& signals) const {
@@ -222,7 +216,7 @@ std::string ControllerBranches::add_sum(std::vector<ControllerCam>& cams, const 
   }
   ControllerCam sum = cam(name + "Sum", sum_diff_cam(), inputs.powers);
   sum.option = fmt::format("{} inputs", inputs.powers.size());
-  finish(sum, side(branch).weights, products_of(signals), branch, group);
+  finish(sum, sides_[branch_index(branch)].weights, products_of(signals), branch, group);
   cams.push_back(std::move(sum));
   return cams.back().name;
 }

@@ -31,9 +31,8 @@ double table_volts(const Disturbance& disturbance, Disturbance::Branch branch, c
 /// output_weight() they are K d in the same volts per stroke.
 class ControllerBranches {
  public:
-  /// Plans of the branches' compensators, or null.
-  ControllerBranches(ControllerVariant& variant, const Disturbance& disturbance, const Plan* ascending,
-                     const Plan* descending, const ControllerOptions& options);
+  ControllerBranches(ControllerVariant& variant, const Disturbance& disturbance,
+                     const BranchPlans& compensators, const ControllerOptions& options);
 
   static const char* name_of(Disturbance::Branch branch);
 
@@ -56,7 +55,6 @@ class ControllerBranches {
     double greatest_gain = 1.0;   ///< of the rate table
     std::vector<double> weights;  /// of the powers, without the rate gain, over output_weight()
   };
-  const Side& side(Disturbance::Branch branch) const;
   std::vector<double> power_weights(Disturbance::Branch branch) const;
   double wanted_output_weight() const;
   std::string add_table(std::vector<ControllerCam>& cams, const std::string& name, Disturbance::Branch branch,
@@ -75,7 +73,7 @@ class ControllerBranches {
   const ControllerOptions& options_;
   const Board& board_;
   DriveRange range_;
-  Side ascending_, descending_;
+  std::array<Side, 2> sides_;  ///< of kBranches
   double output_weight_ = 1.0;
 };
 
@@ -87,14 +85,14 @@ void set_polynomial_error(ControllerVariant& variant, const Disturbance& disturb
 /// with its capacitors and its place, what stands outside, the I/O cells it needs, its delay and its error.
 /// Where it does not fit on the board or cannot work, the variant says so.
 ControllerVariant laid_out(PolynomialBy by, ControllerStructure structure, const Disturbance& disturbance,
-                           const Plan* ascending, const Plan* descending, const ControllerOptions& options);
+                           const BranchPlans& compensators, const ControllerOptions& options);
 
 /// Gives a CAM that weighs its inputs (SumDiff; GainHold, one input, inverting) the capacitors that make
 /// `rate_gain` times its weights with the least error (products): its z, realised gains and late inputs
 /// follow. A weight of 0 has no capacitor.
-void set_weights(ControllerCam& cam, double rate_gain, int max_capacitor);
+void set_weights(ControllerCam& cam, double rate_gain);
 
 /// A SumDiff whose first weight is exactly 1: the others as near as capacitors come.
-void set_weights_first_exact(ControllerCam& cam, int max_capacitor);
+void set_weights_first_exact(ControllerCam& cam);
 
 }  // namespace bodesmith::fpaa

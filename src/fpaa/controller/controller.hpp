@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -103,6 +104,9 @@ struct ControllerVariant {
   const OutsidePart* find_outside(std::string_view name) const;
 };
 
+/// Finished plans of the compensators of kBranches; null: that branch has none.
+using BranchPlans = std::array<const Plan*, 2>;
+
 struct Controller {
   std::vector<ControllerVariant> variants;
   std::size_t chosen = 0;
@@ -115,12 +119,12 @@ struct Controller {
 /// The whole controller on the board: reference in, drive out (disturbance paper, Fig. 2 and section V-A,
 /// with the drive fed back): the branch by the slope's sign, rate gains as capacitor sets that a host sends
 /// (or a compensator for each branch), amplitude gains by a control voltage where the disturbance has them.
-/// `ascending` and `descending` are finished plans of the compensators, or null. Refused when no way (or not
+/// Refused when no way (or not
 /// the one asked for) fits the board, saying what would make it fit. Of those that fit the one with the least
 /// polynomial error is chosen, the loop before two passes before one; with a stage at hand, choose by
 /// tracking.
-Outcome<Controller> make_controller(const Disturbance& disturbance, const Plan* ascending,
-                                    const Plan* descending, const ControllerOptions& options);
+Outcome<Controller> make_controller(const Disturbance& disturbance, const BranchPlans& compensators,
+                                    const ControllerOptions& options);
 
 std::string controller_sheet(const Controller& controller);
 

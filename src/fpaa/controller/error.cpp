@@ -59,7 +59,7 @@ void set_polynomial_error(ControllerVariant& variant, const Disturbance& disturb
                                                                                     : "r";
   RestingBranches resting(variant, argument);
   double sum = 0.0;
-  for (const auto branch : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+  for (const Disturbance::Branch branch : kBranches) {
     const ControllerCam* end = branch_end(variant, ControllerBranches::name_of(branch));
     for (int i = 0; i < kStrokePoints; ++i) {
       const double x = i / (kStrokePoints - 1.0);

@@ -40,12 +40,11 @@ double polynomial_cycles(PolynomialBy by) {
 /// The CAMs of one variant, in signal order.
 class ControllerLayout {
  public:
-  ControllerLayout(ControllerVariant& variant, const Disturbance& disturbance, const Plan* ascending,
-                   const Plan* descending, const ControllerOptions& options)
+  ControllerLayout(ControllerVariant& variant, const Disturbance& disturbance,
+                   const BranchPlans& compensators, const ControllerOptions& options)
       : out_(variant),
-        branches_(variant, disturbance, ascending, descending, options),
-        ascending_(ascending),
-        descending_(descending),
+        branches_(variant, disturbance, compensators, options),
+        compensators_(compensators),
         options_(options),
         board_(board_by_name(options.board)) {}
 
@@ -133,12 +132,12 @@ class ControllerLayout {
   void add_slope_detector() {
     if (switches_outside()) return;
     const double clock = options_.fast_clock.value;
-    const int cd = std::clamp(nearest_whole<int>(kSlopeTimeConstant * clock), 1, board_.max_capacitor);
+    const int cd = std::clamp(nearest_whole<int>(kSlopeTimeConstant * clock), 1, kMostUnits);
     out_.cams.push_back(
-        filtered("SlopeFilter", {0, static_cast<double>(board_.max_capacitor), 1, static_cast<double>(cd)}));
+        filtered("SlopeFilter", {0, static_cast<double>(kMostUnits), 1, static_cast<double>(cd)}));
     ControllerCam& gain = add("SlopeGain", gain_hold_cam(), "Inverting", {"SlopeFilter"});
     gain.weights = {-kSlopeGain};
-    set_weights(gain, 1.0, board_.max_capacitor);
+    set_weights(gain, 1.0);
   }
 
   /// v = r - K d(argument), the reference delayed as long as the disturbance by a low pass.
@@ -148,9 +147,9 @@ class ControllerLayout {
     // -1/(1 + n (1 - 1/z)) is late by n cycles. It inverts, so that the sum's own input does so without
     // delay.
     const double cycles = age(prefix + "Output", 1) * options_.fast_clock.value;
-    const double cout = std::max(1, whole_number<int>(board_.max_capacitor / std::max(1.0, cycles)));
+    const double cout = std::max(1, whole_number<int>(kMostUnits / std::max(1.0, cycles)));
     ControllerCam filter = filtered(delay, {cout, 0, cout, std::round(cycles * cout)});
-    filter.group = find(prefix + "Output")->group;
+    filter.group = out_.find(prefix + "Output")->group;
     const auto output = std::ranges::find(out_.cams, prefix + "Output", &ControllerCam::name);
     out_.cams.insert(output, std::move(filter));
   }
@@ -159,18 +158,16 @@ class ControllerLayout {
   void add_pass(const std::string& prefix, const std::string& argument, const std::string& reference) {
     const BranchInputs inputs = branches_.add_powers(out_.cams, prefix, argument, ++group_);
     // Sums that only the switch reads stay with it.
-    const bool sums_late =
-        out_.by == PolynomialBy::multipliers && ascending_ == nullptr && descending_ == nullptr;
+    const bool sums_late = out_.by == PolynomialBy::multipliers && compensators_ == BranchPlans{};
     if (sums_late) ++group_;
     std::array<std::string, 2> last;
-    for (const Direction branch : {Direction::ascending, Direction::descending}) {
-      const std::size_t b = branch == Direction::ascending ? 0 : 1;
+    for (const Direction branch : kBranches) {
+      const std::size_t b = branch_index(branch);
       if (!sums_late) ++group_;
       last[b] = branches_.add_branch(out_.cams, prefix, branch, inputs, group_);
-      const Plan* plan = b == 0 ? ascending_ : descending_;
-      if (plan != nullptr) last[b] = add_compensator(prefix, branch, *plan, last[b]);
+      if (compensators_[b] != nullptr) last[b] = add_compensator(prefix, branch, *compensators_[b], last[b]);
     }
-    const bool tables = out_.by == PolynomialBy::lookup && descending_ == nullptr;
+    const bool tables = out_.by == PolynomialBy::lookup && compensators_[1] == nullptr;
     if (!switches_outside() && !sums_late && !tables) ++group_;
     add_switch_and_difference(prefix, last, reference);
   }
@@ -189,7 +186,7 @@ class ControllerLayout {
     const std::string name = prefix + "Output";
     ControllerCam& sum = add(name, sum_diff_cam(), "2 inputs", {reference, chosen});
     sum.weights = {reference == "r" ? 1.0 : -1.0, -branches_.output_weight()};
-    set_weights_first_exact(sum, board_.max_capacitor);
+    set_weights_first_exact(sum);
     // A half-cycle CAM needs it before a bypass output; it is the one hold of the loop.
     out_.drive = name + "Hold";
     add(out_.drive, hold_cam(), "", {name});
@@ -218,8 +215,6 @@ class ControllerLayout {
     }
     return name_of(graph.output);
   }
-
-  const ControllerCam* find(std::string_view name) const { return out_.find(name); }
 
   /// Whether a half-cycle output goes to a CAM of another chip or clock that cannot take it, or off the
   /// board.
@@ -259,7 +254,7 @@ class ControllerLayout {
   /// Age of what stands at an input of a CAM when it is read, seconds after the reference had it; along the
   /// longest way, and no further back than the polynomials' argument.
   double age(const std::string& reader, std::size_t input, int depth = 0) const {
-    const ControllerCam* cam = find(reader);
+    const ControllerCam* cam = out_.find(reader);
     const std::string& source = cam->inputs[input];
     const bool late = input < cam->late.size() && cam->late[input];
     const double half = 0.5 / cam->clock_a.value;
@@ -273,7 +268,7 @@ class ControllerLayout {
 
   double age_of(const std::string& source, const ControllerCam& reader, bool late, int depth) const {
     double oldest = 0.0;
-    if (const ControllerCam* from = find(source)) {
+    if (const ControllerCam* from = out_.find(source)) {
       for (std::size_t i = 0; i < from->inputs.size(); ++i) {
         if (from->inputs[i] == "SlopeGain" || from->cam == &comparator_cam()) continue;
         oldest = std::max(oldest, age(source, i, depth + 1));
@@ -298,8 +293,7 @@ class ControllerLayout {
 
   ControllerVariant& out_;
   ControllerBranches branches_;
-  const Plan* ascending_;
-  const Plan* descending_;
+  const BranchPlans& compensators_;
   const ControllerOptions& options_;
   const Board& board_;
   int group_ = 0;
@@ -320,22 +314,22 @@ std::optional<Refusal> check_contraction(ControllerStructure structure, const Dr
 }  // namespace
 
 ControllerVariant laid_out(PolynomialBy by, ControllerStructure structure, const Disturbance& disturbance,
-                           const Plan* ascending, const Plan* descending, const ControllerOptions& options) {
+                           const BranchPlans& compensators, const ControllerOptions& options) {
   const Board& board = board_by_name(options.board);
   ControllerVariant out;
   out.by = by;
   out.structure = structure;
   out.board = board.name;
-  const DriveRange range = drive_range(disturbance, ascending != nullptr, descending != nullptr);
+  const DriveRange range = drive_range(disturbance, compensators);
   out.contraction = range.contraction.factor;
-  out.scale = volt_scale(range, by != PolynomialBy::outside, board.full_scale_v);
+  out.scale = volt_scale(range, by != PolynomialBy::outside);
   const double cycles = polynomial_cycles(by);
   out.bandwidth_hz = cycles == 0.0 ? schematic::MultiplierModel().bandwidth.value
                                    : options.fast_clock.value / (kPeriodsOfDelay * cycles);
   out.refusal = check_contraction(structure, range);
   if (!out.fits()) return out;
 
-  ControllerLayout layout(out, disturbance, ascending, descending, options);
+  ControllerLayout layout(out, disturbance, compensators, options);
   try {
     layout.collect();
     layout.place();

@@ -10,9 +10,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr PolynomialBy kPolynomialWays[] = {PolynomialBy::outside, PolynomialBy::multipliers,
-                                            PolynomialBy::lookup};
-
 constexpr ControllerStructure kStructures[] = {ControllerStructure::loop, ControllerStructure::two_pass,
                                                ControllerStructure::delayed, ControllerStructure::open};
 
@@ -117,7 +114,7 @@ ControllerVariant ControllerVariant::at(const Disturbance& disturbance, Hertz op
   ControllerVariant out = *this;
   for (ControllerCam& cam : out.cams) {
     if (!cam.scheduled) continue;
-    set_weights(cam, disturbance.rate_gain(*cam.scheduled, operating), board_by_name(board).max_capacitor);
+    set_weights(cam, disturbance.rate_gain(*cam.scheduled, operating));
   }
   return out;
 }
@@ -132,8 +129,8 @@ const OutsidePart* ControllerVariant::find_outside(std::string_view part) const 
   return at == outside.end() ? nullptr : &*at;
 }
 
-Outcome<Controller> make_controller(const Disturbance& disturbance, const Plan* ascending,
-                                    const Plan* descending, const ControllerOptions& options) {
+Outcome<Controller> make_controller(const Disturbance& disturbance, const BranchPlans& compensators,
+                                    const ControllerOptions& options) {
   const Outcome<const Board*> known_board = find_board(options.board);
   if (const Refusal* refusal = refusal_of(known_board)) return *refusal;
   const Board& board = *std::get<const Board*>(known_board);
@@ -143,9 +140,9 @@ Outcome<Controller> make_controller(const Disturbance& disturbance, const Plan* 
                                number_text(nearest_clock(board, options.fast_clock).frequency.value))};
   }
   Controller out;
-  for (const PolynomialBy by : kPolynomialWays) {
+  for (const PolynomialBy by : {PolynomialBy::outside, PolynomialBy::multipliers, PolynomialBy::lookup}) {
     for (const ControllerStructure structure : kStructures) {
-      out.variants.push_back(laid_out(by, structure, disturbance, ascending, descending, options));
+      out.variants.push_back(laid_out(by, structure, disturbance, compensators, options));
     }
   }
   const auto chosen = most_accurate(out.variants, options);

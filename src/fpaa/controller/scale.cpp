@@ -1,7 +1,6 @@
 #include "fpaa/controller/scale.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace bodesmith::fpaa {
@@ -29,17 +28,15 @@ double settled_drive(const Disturbance& d, Direction branch, double gain, double
   return std::clamp(r - gain * d.value(branch, r), -1.0, 2.0);
 }
 
-std::vector<double> rate_gains(const Disturbance& d, Direction branch, bool compensated) {
-  if (compensated || d.rate.frequency.empty()) return {1.0};
-  return branch == Direction::ascending ? d.rate.ascending : d.rate.descending;
+std::vector<double> rate_gains(const Disturbance& d, Direction branch, const BranchPlans& compensators) {
+  if (compensators[branch_index(branch)] != nullptr || d.rate.frequency.empty()) return {1.0};
+  return d.rate.of(branch);
 }
 
-DriveRange drive_range(const Disturbance& d, bool ascending_compensated, bool descending_compensated) {
+DriveRange drive_range(const Disturbance& d, const BranchPlans& compensators) {
   DriveRange out;
-  const std::array<std::pair<Direction, bool>, 2> branches = {
-      {{Direction::ascending, ascending_compensated}, {Direction::descending, descending_compensated}}};
-  for (const auto& [branch, compensated] : branches) {
-    for (const double gain : rate_gains(d, branch, compensated)) {
+  for (const Direction branch : kBranches) {
+    for (const double gain : rate_gains(d, branch, compensators)) {
       for (int i = 0; i < kRangePoints; ++i) {
         const double v = settled_drive(d, branch, gain, i / (kRangePoints - 1.0));
         out.low = std::min(out.low, v);
@@ -47,8 +44,8 @@ DriveRange drive_range(const Disturbance& d, bool ascending_compensated, bool de
       }
     }
   }
-  for (const auto& [branch, compensated] : branches) {
-    for (const double gain : rate_gains(d, branch, compensated)) {
+  for (const Direction branch : kBranches) {
+    for (const double gain : rate_gains(d, branch, compensators)) {
       for (int i = 0; i < kRangePoints; ++i) {
         const double x = out.low + (out.high - out.low) * i / (kRangePoints - 1.0);
         const double factor = std::abs(gain * d.slope(branch, x));
@@ -59,8 +56,8 @@ DriveRange drive_range(const Disturbance& d, bool ascending_compensated, bool de
   return out;
 }
 
-VoltScale volt_scale(const DriveRange& range, bool bipolar, double full_scale_v) {
-  const double usable = full_scale_v * (1.0 - kFreeShare);
+VoltScale volt_scale(const DriveRange& range, bool bipolar) {
+  const double usable = kFullScaleV * (1.0 - kFreeShare);
   const double wanted =
       bipolar ? 2.0 * usable / (range.high - range.low) : usable / std::max(-range.low, range.high);
   const double steps = std::floor(wanted * kScaleStepsPerV);

@@ -7,7 +7,8 @@
 namespace bodesmith::fpaa {
 
 /// The rate gains that a branch goes through: those of its table, or 1 (also where a compensator makes them).
-std::vector<double> rate_gains(const Disturbance& disturbance, Disturbance::Branch branch, bool compensated);
+std::vector<double> rate_gains(const Disturbance& disturbance, Disturbance::Branch branch,
+                               const BranchPlans& compensators);
 
 /// Where and how strongly the loop v = r - K d(v) contracts.
 struct Contraction {
@@ -23,12 +24,11 @@ struct DriveRange {
   double high = 1.0;
   Contraction contraction;
 };
-DriveRange drive_range(const Disturbance& disturbance, bool ascending_compensated,
-                       bool descending_compensated);
+DriveRange drive_range(const Disturbance& disturbance, const BranchPlans& compensators);
 
 /// A range in volts: bipolar takes all of +- full scale, otherwise 0 V stands for x = 0. A little is left
 /// free.
-VoltScale volt_scale(const DriveRange& range, bool bipolar, double full_scale_v);
+VoltScale volt_scale(const DriveRange& range, bool bipolar);
 
 /// v of v + K d(v) = r near r: what a converging loop settles at; a few passes otherwise.
 double settled_drive(const Disturbance& disturbance, Disturbance::Branch branch, double gain, double r);

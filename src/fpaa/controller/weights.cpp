@@ -31,7 +31,7 @@ double weighed_error(const std::vector<double>& off, const std::vector<double>& 
 
 /// The best units over one Cout: of each input the whole number below or above, all combinations.
 double best_over(const std::vector<double>& gains, const std::vector<double>& products, int cout,
-                 int max_capacitor, std::vector<int>& best) {
+                 std::vector<int>& best) {
   const std::size_t n = gains.size();
   double min_error = std::numeric_limits<double>::infinity();
   for (std::size_t choice = 0; choice < (std::size_t{1} << n); ++choice) {
@@ -40,7 +40,7 @@ double best_over(const std::vector<double>& gains, const std::vector<double>& pr
     for (std::size_t i = 0; i < n; ++i) {
       const double wanted = std::abs(gains[i]) * cout;
       const double whole = std::floor(wanted) + static_cast<double>((choice >> i) & 1U);
-      units[i] = gains[i] == 0.0 ? 0 : whole_number<int>(whole, 1, max_capacitor);
+      units[i] = gains[i] == 0.0 ? 0 : whole_number<int>(whole, 1, kMostUnits);
       off[i] = std::copysign(units[i] / static_cast<double>(cout), gains[i]) - gains[i];
     }
     const double error = weighed_error(off, products);
@@ -52,14 +52,13 @@ double best_over(const std::vector<double>& gains, const std::vector<double>& pr
   return min_error;
 }
 
-WeightUnits best_units(const std::vector<double>& gains, const std::vector<double>& products,
-                       int max_capacitor) {
+WeightUnits best_units(const std::vector<double>& gains, const std::vector<double>& products) {
   WeightUnits out;
   double min_error = std::numeric_limits<double>::infinity();
   // From the largest: among equals the capacitors whose mismatch is the least.
-  for (int cout = max_capacitor; cout >= 1; --cout) {
+  for (int cout = kMostUnits; cout >= 1; --cout) {
     std::vector<int> units;
-    const double error = best_over(gains, products, cout, max_capacitor, units);
+    const double error = best_over(gains, products, cout, units);
     if (error < min_error) {
       min_error = error;
       out = {units, cout};
@@ -91,20 +90,20 @@ void take_units(ControllerCam& cam, const std::vector<double>& gains, const Weig
 
 }  // namespace
 
-void set_weights(ControllerCam& cam, double rate_gain, int max_capacitor) {
+void set_weights(ControllerCam& cam, double rate_gain) {
   std::vector<double> gains = cam.weights;
   for (double& g : gains) g *= rate_gain;
-  take_units(cam, gains, best_units(gains, cam.products, max_capacitor));
+  take_units(cam, gains, best_units(gains, cam.products));
 }
 
-void set_weights_first_exact(ControllerCam& cam, int max_capacitor) {
+void set_weights_first_exact(ControllerCam& cam) {
   WeightUnits best;
   double min_error = std::numeric_limits<double>::infinity();
-  for (int cout = max_capacitor; cout >= 1; --cout) {
+  for (int cout = kMostUnits; cout >= 1; --cout) {
     std::vector<double> rest = cam.weights;
     rest[0] = 0.0;
     std::vector<int> units;
-    const double error = best_over(rest, {}, cout, max_capacitor, units);
+    const double error = best_over(rest, {}, cout, units);
     if (error >= min_error) continue;
     min_error = error;
     units[0] = cout;

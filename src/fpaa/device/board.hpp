@@ -21,6 +21,12 @@ struct Resources {
   bool fits_in(const Resources& available) const;
 };
 
+// Of every chip of this family.
+/// Units of a capacitor: its number is one byte.
+inline constexpr int kMostUnits = 255;
+/// Signals are differential and clip at +- this; converters take as much.
+inline constexpr double kFullScaleV = 3.0;
+
 /// A board of equal field-programmable analog arrays. Everything here was seen in public vendor-generated
 /// code; gain-bandwidth, slew rate, noise, offset and the unit capacitance are not publicly known and
 /// therefore absent.
@@ -32,9 +38,7 @@ struct Board {
   Resources per_cab;               ///< a CAM never straddles CABs
   int lookup_tables_per_chip = 1;  ///< 256 bytes
   int io_cells_per_chip = 7;
-  int max_capacitor = 255;  ///< in unit capacitances
   Hertz master_clock{16e6};
-  double full_scale_v = 3.0;        ///< differential signals clip at +- this
   Hertz settling_product{19.68e6};  ///< (1 + gain) * fc of a gain stage may not exceed this
 };
 

@@ -73,6 +73,7 @@ inline constexpr int kSampledPhase1 = 0x04;
 
 /// Columns: odd is CAB 1 and 3, even CAB 2 and 4.
 enum class Column { odd, even };
+inline constexpr std::array<Column, 2> kColumns = {Column::odd, Column::even};
 constexpr Column column_of(int cab) {
   return cab % 2 == 1 ? Column::odd : Column::even;
 }

@@ -186,7 +186,7 @@ class CircuitReader {
     const CellBytes bytes = cell_bytes(number);
     IoCell& cell = out_.cells[static_cast<std::size_t>(number - 1)];
     cell = routes_.cell(number);
-    for (const Column column : {Column::odd, Column::even}) {
+    for (const Column column : kColumns) {
       const Nibble at = route_nibble(number, column);
       const int byte = take({kIoBank, at.byte});
       if (cell.mode == IoCell::Mode::off && (at.high ? byte >> 4 : byte & 0xF) != 0) {

@@ -10,7 +10,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr std::uint8_t kSynch = 0xD5;
 constexpr std::uint8_t kCheck = 0x2A;
 constexpr std::array<std::uint8_t, 4> kDevice = {0xB7, 0x20, 0x01, 0x00};
 

@@ -59,6 +59,8 @@ ConfigStream decode(const Bytes& bytes, const std::string& file);
 std::string to_ahf(const Bytes& bytes);
 Bytes from_ahf(std::string_view text, const std::string& file);
 
+/// The first byte of a stream that is no zero.
+inline constexpr std::uint8_t kSynch = 0xD5;
 /// Around packets and answers on the serial line.
 inline constexpr char kStx = 0x02;
 inline constexpr char kEtx = 0x03;

@@ -7,7 +7,6 @@ namespace {
 
 constexpr std::array<int, kIoCells> kInputCells = {1, 2, 3, 4, 5, 6, 7};
 constexpr std::array<int, kIoCells> kOutputCells = {3, 4, 2, 1, 7, 6, 5};
-constexpr std::array<Column, 2> kBothColumns = {Column::odd, Column::even};
 
 /// What drives a column line: an input pin's cell, or an op-amp.
 struct LineDriver {
@@ -61,7 +60,7 @@ class LineUse {
 
   bool input(const PinNeed& pin, const std::map<std::string, int>& cells) {
     const int cell = cells.at(pin.name);
-    for (const Column column : kBothColumns) {
+    for (const Column column : kColumns) {
       std::vector<int> cabs;
       for (const int cab : pin.cabs) {
         if (column_of(cab) == column) cabs.push_back(cab);

@@ -7,7 +7,6 @@ namespace {
 
 using Kind = CircuitNode::Kind;
 using Mode = IoCell::Mode;
-constexpr std::array<Column, 2> kColumns = {Column::odd, Column::even};
 constexpr int kFirstBypassCell = 5;
 
 const char* column_name(Column column) {

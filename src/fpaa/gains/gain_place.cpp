@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "fpaa/device/board.hpp"
 #include "fpaa/gains/gain_schedule.hpp"
 
 namespace bodesmith::fpaa {
@@ -49,7 +50,7 @@ GainPlace known_address(const std::string& text, const std::string& option) {
   out.over.push_back(*over);
   if (const auto under = memory_place(last)) {
     out.under.push_back(*under);
-  } else if (const auto units = digits_as_number(last, 255); units && *units > 0) {
+  } else if (const auto units = digits_as_number(last, kMostUnits); units && *units > 0) {
     out.fixed_under = *units;
   } else {
     place_fails(option, text, "expected after the stroke BANK.BYTE or 1 to 255 units");
@@ -102,7 +103,7 @@ GainPlace parse_gain_place(const std::string& text, const ApiProject* project, c
                 fmt::format("{}:{}: has no capacitor {}, it has {}", project->file, table->line, over,
                             join(names, ", ")));
   }
-  if (const auto units = digits_as_number(under, 255); units && *units > 0) {
+  if (const auto units = digits_as_number(under, kMostUnits); units && *units > 0) {
     out.fixed_under = *units;
     return out;
   }

@@ -14,7 +14,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr int kMaxUnits = 255;
 constexpr std::size_t kMaxSets = 4096;
 /// Beyond its range a set is kept for this part of the interval to the next.
 constexpr double kKeepShare = 0.25;
@@ -23,10 +22,10 @@ constexpr double kKeepShare = 0.25;
 GainCapacitors nearest_ratio(double gain, int fixed_under) {
   GainCapacitors best{gain, 0, 1};
   double least = 1e300;
-  for (int under = fixed_under > 0 ? fixed_under : kMaxUnits; under >= (fixed_under > 0 ? fixed_under : 1);
+  for (int under = fixed_under > 0 ? fixed_under : kMostUnits; under >= (fixed_under > 0 ? fixed_under : 1);
        --under) {
-    const int over = nearest_whole<int>(std::min(gain * under, kMaxUnits + 1.0));
-    if (over < 1 || over > kMaxUnits) continue;
+    const int over = nearest_whole<int>(std::min(gain * under, kMostUnits + 1.0));
+    if (over < 1 || over > kMostUnits) continue;
     const double error = std::abs(static_cast<double>(over) / under - gain);
     if (error < least * (1.0 - 1e-12)) {
       least = error;

@@ -23,14 +23,26 @@ struct GroupHold {
   bool is_free() const { return !ground && input < 0 && opamp < 0; }
 };
 
+/// A capacitance, or a conductance, between two nodes.
+void stamp(MatrixXd& nodal, int a, int b, double size) {
+  nodal(a, a) += size;
+  nodal(b, b) += size;
+  nodal(a, b) -= size;
+  nodal(b, a) -= size;
+}
+
 /// Nodal capacitances of all nodes: charges from voltages.
 MatrixXd capacitance_matrix(const SwitchedNetwork& network) {
   MatrixXd out = MatrixXd::Zero(network.nodes, network.nodes);
-  for (const SwitchedNetwork::Capacitor& c : network.capacitors) {
-    out(c.a, c.a) += c.size;
-    out(c.b, c.b) += c.size;
-    out(c.a, c.b) -= c.size;
-    out(c.b, c.a) -= c.size;
+  for (const SwitchedNetwork::Capacitor& c : network.capacitors) stamp(out, c.a, c.b, c.size);
+  return out;
+}
+
+/// Of every closed switch a conductance of 1.
+MatrixXd conductance_matrix(const SwitchedNetwork& network, const std::vector<bool>& closed) {
+  MatrixXd out = MatrixXd::Zero(network.nodes, network.nodes);
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (closed[i]) stamp(out, network.switches[i].a, network.switches[i].b, 1.0);
   }
   return out;
 }
@@ -172,15 +184,7 @@ class MapMaker {
     if (!slow && network_.switch_s == 0.0) return;
     const auto nodes = static_cast<Index>(network_.nodes),
                opamps = static_cast<Index>(network_.opamps.size());
-    MatrixXd a = MatrixXd::Zero(nodes, nodes), given = MatrixXd::Zero(nodes, nodes + opamps);
-    for (std::size_t i = 0; i < network_.switches.size(); ++i) {
-      const SwitchedNetwork::Switch& s = network_.switches[i];
-      if (!closed_[i]) continue;
-      a(s.a, s.a) += 1.0;
-      a(s.b, s.b) += 1.0;
-      a(s.a, s.b) -= 1.0;
-      a(s.b, s.a) -= 1.0;
-    }
+    MatrixXd a = conductance_matrix(network_, closed_), given = MatrixXd::Zero(nodes, nodes + opamps);
     given.leftCols(nodes) = network_.switch_s * MatrixXd::Identity(nodes, nodes);
     const auto replace = [&](Index row) {
       a.row(row).setZero();
@@ -264,16 +268,11 @@ class MapMaker {
   /// has the covariance P kT when the switches open. (What an op-amp's feedback gives back to the switched
   /// capacitors is in it: a low pass has less than kT C a branch.)
   void add_switch_noise() {
-    const auto nodes = static_cast<Index>(network_.nodes);
-    MatrixXd conductance = MatrixXd::Zero(nodes, nodes);
-    MatrixXd currents = MatrixXd::Zero(nodes, static_cast<Index>(network_.switches.size()));
+    const MatrixXd conductance = conductance_matrix(network_, closed_);
+    MatrixXd currents = MatrixXd::Zero(network_.nodes, static_cast<Index>(network_.switches.size()));
     for (std::size_t i = 0; i < network_.switches.size(); ++i) {
       if (!closed_[i]) continue;
       const SwitchedNetwork::Switch& s = network_.switches[i];
-      conductance(s.a, s.a) += 1.0;
-      conductance(s.b, s.b) += 1.0;
-      conductance(s.a, s.b) -= 1.0;
-      conductance(s.b, s.a) -= 1.0;
       currents(s.a, static_cast<Index>(i)) += 1.0;
       currents(s.b, static_cast<Index>(i)) -= 1.0;
     }

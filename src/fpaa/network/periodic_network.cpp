@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "numeric/linear_algebra/dense.hpp"
+#include "numeric/sinc.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -36,11 +37,6 @@ Complex turned_by(double rate, Complex value) {
       fmt::format("the board's clocks have no common period of fewer than {} switching instants, "
                   "expected clocks that divide one another",
                   ClockedNetwork::kMostInstants));
-}
-
-/// sin(x)/x.
-double sinc(double x) {
-  return std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x;
 }
 
 /// exp(j rate t) at rising times: most steps are as long as the one before, and cost a product then; from the argument itself
@@ -89,7 +85,7 @@ class TurningSpans {
 }  // namespace
 
 double size_of_turns(double turn, double turns) {
-  return std::abs(turn) < 1e-12 ? turns : std::sin(0.5 * turns * turn) / std::sin(0.5 * turn);
+  return turn == 0.0 ? turns : std::sin(0.5 * turns * turn) / std::sin(0.5 * turn);
 }
 
 /// Sources that nest with one another stay together; the others are parts of their own.
@@ -126,7 +122,7 @@ std::size_t PeriodicNetworks::add(ClockedNetwork network, std::vector<Source> so
   std::vector<std::size_t> made;
   bool fits = !may_follow_ || !network.has_noise();
   for (std::vector<Source>& part : parts_of(network.period(), sources)) {
-    Node& node = nodes_.emplace_back(Node{network, std::move(part), 1, {}, {}, {}, {}, {}, {}, {}, {}});
+    Node& node = nodes_.emplace_back(Node{.clocked = network, .sources = std::move(part)});
     fits = fits && lay_pieces(node);
     made.push_back(nodes_.size() - 1);
   }
@@ -182,8 +178,8 @@ std::optional<std::size_t> PeriodicNetworks::followed_by(const Node& node) const
 }
 
 bool PeriodicNetworks::lay_pieces(Node& node) const {
-  node = Node{std::move(node.clocked), std::move(node.sources), 1, {}, {}, {}, {}, {}, {}, {},
-              std::move(node.loop)};
+  node = Node{
+      .clocked = std::move(node.clocked), .sources = std::move(node.sources), .loop = std::move(node.loop)};
   node.follows = followed_by(node);
   const bool nested = node.follows.has_value();
   std::vector<std::int64_t> periods{node.clocked.period()};
@@ -236,7 +232,6 @@ bool PeriodicNetworks::lay_pieces(Node& node) const {
   for (const Source& source : node.sources) {
     std::vector<std::uint32_t> piece(pieces, 0);
     std::vector<std::uint32_t> turn(pieces, 0);
-    std::vector<bool> begins(pieces, false);
     if (source.kind == Source::Kind::network && !nested) {
       const Node& from = nodes_[source.network];
       if (from.follows && node.follows && *node.follows != *from.follows) return false;
@@ -252,12 +247,10 @@ bool PeriodicNetworks::lay_pieces(Node& node) const {
         }
         piece[i] = static_cast<std::uint32_t>(at);
         turn[i] = turns;
-        begins[i] = from.edges[at] + static_cast<std::int64_t>(turns) * from.period == node.edges[i];
       }
     }
     node.source_piece.push_back(std::move(piece));
     node.source_turn.push_back(std::move(turn));
-    node.source_begins.push_back(std::move(begins));
   }
   return !node.follows || std::ranges::all_of(node.edges, [&](std::int64_t edge) {
     return edge % nodes_[*node.follows].period == 0;
@@ -308,21 +301,21 @@ PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std
       for (std::size_t i = 0; i < pieces; ++i) out.gamma[i * count + k] = 1.0;
     } else if (source.kind == Source::Kind::network) {
       const SineWaveform& from = known[source.network];
-      const double period = static_cast<double>(nodes_[source.network].period);
+      const std::int64_t source_period = nodes_[source.network].period;
       std::uint32_t turns = 0;
       Complex turn = 1.0;
       for (std::size_t i = 0; i < pieces; ++i) {
         if (node.source_turn[k][i] != turns) {
           turns = node.source_turn[k][i];
-          turn = std::polar(1.0, per_tick * period * static_cast<double>(turns));
+          turn = std::polar(1.0, per_tick * static_cast<double>(source_period) * static_cast<double>(turns));
         }
         const std::uint32_t piece = node.source_piece[k][i];
         out.alpha[i * count + k] = from.alpha[piece] * turn;
         out.beta[i * count + k] = from.beta[piece];
         if (from.follows) out.gamma[i * count + k] = from.gamma[piece];
         if (!from.late.empty()) out.late[i * count + k] = from.late[piece];
-        if (late && !from.peak.empty() && node.source_begins[k][i])
-          out.peak[i * count + k] = from.peak[piece] * turn;
+        const bool begins = (*from.edges)[piece] + turns * source_period == node.edges[i];
+        if (late && !from.peak.empty() && begins) out.peak[i * count + k] = from.peak[piece] * turn;
       }
     }
   }

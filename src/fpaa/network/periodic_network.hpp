@@ -100,17 +100,16 @@ class PeriodicNetworks {
   /// A network, or the part of it that reads some of its sources.
   struct Node {
     ClockedNetwork clocked;
-    std::vector<Source> sources;          ///< indices of nodes
-    std::int64_t period = 1;              ///< of its waveform
-    std::vector<std::int64_t> edges;      ///< of pieces, one more than there are
-    std::vector<std::uint32_t> interval;  ///< of each piece, index into the network's
-    std::vector<bool> ends;               ///< whether an interval ends with the piece
+    std::vector<Source> sources;               ///< indices of nodes
+    std::int64_t period = 1;                   ///< of its waveform
+    std::vector<std::int64_t> edges = {};      ///< of pieces, one more than there are
+    std::vector<std::uint32_t> interval = {};  ///< of each piece, index into the network's
+    std::vector<bool> ends = {};               ///< whether an interval ends with the piece
     /// [input][piece]: piece of the source and how many of the source's periods later.
-    std::vector<std::vector<std::uint32_t>> source_piece;
-    std::vector<std::vector<std::uint32_t>> source_turn;
-    std::vector<std::vector<bool>> source_begins;  ///< likewise: whether a piece of the source begins with it
-    std::optional<std::size_t> follows;            ///< SineWaveform::follows
-    Eigen::MatrixXd loop;                          ///< q over the whole period without an input
+    std::vector<std::vector<std::uint32_t>> source_piece = {};
+    std::vector<std::vector<std::uint32_t>> source_turn = {};
+    std::optional<std::size_t> follows = {};  ///< SineWaveform::follows
+    Eigen::MatrixXd loop = {};                ///< q over the whole period without an input
 
     std::size_t pieces() const { return interval.size(); }
   };

@@ -26,10 +26,7 @@ std::optional<ClockedNetwork> network_of_cam(const PlacedCam& cam, std::int64_t 
 }  // namespace
 
 BoardRun::BoardRun(const std::vector<WiredCam>& cams, std::vector<Part> parts, const Board& board)
-    : parts_(std::move(parts)),
-      known_parts_(parts_.size()),
-      ticks_per_second_(ticks_per_second(board)),
-      full_scale_v_(board.full_scale_v) {
+    : parts_(std::move(parts)), known_parts_(parts_.size()), ticks_per_second_(ticks_per_second(board)) {
   for (const WiredCam& cam : cams) {
     Node node;
     node.name = cam.name;
@@ -84,7 +81,7 @@ std::size_t BoardRun::source_of(const std::string& name, const std::string& read
 }
 
 double BoardRun::limited(Node& node, double volts) const {
-  const double out = std::clamp(volts, -full_scale_v_, full_scale_v_);
+  const double out = std::clamp(volts, -kFullScaleV, kFullScaleV);
   if (out != volts) node.clipped = true;
   return out;
 }

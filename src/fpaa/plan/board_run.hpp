@@ -24,7 +24,7 @@ namespace bodesmith::fpaa {
 /// and at each of them q becomes M q + N u just before it; what it reads is a voltage that may move. Any other CAM
 /// (a converter, a comparator) is its CamStep: it reads at the end of its phase, shows the result `delay_cycles` later
 /// and until the next one. Results that are due at an instant are there for converters that read then. Time is counted in half periods of the master clock; phase 1 of
-/// every clock begins at 0. Analogue outputs clip at the board's full scale.
+/// every clock begins at 0. Analogue outputs clip at full scale.
 class BoardRun {
  public:
   /// Something off the board that needs no clock.
@@ -90,7 +90,6 @@ class BoardRun {
   std::vector<KnownPart> known_parts_;
   std::vector<std::vector<std::size_t>> part_sources_;
   double ticks_per_second_;
-  double full_scale_v_;
   std::int64_t now_ = -1, next_ = 0;  ///< and when something happens next
   std::int64_t readings_ = 0;
 };

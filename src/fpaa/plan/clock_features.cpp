@@ -8,8 +8,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr double kNarrow = 1.0 / 6.0;  ///< of the clock
-
 void add_poles(std::vector<ClockedPole>& out, Hertz clock, const std::vector<Complex>& in_d) {
   for (const Complex& d : in_d) {
     if (d == 1.0) continue;  // z infinite

@@ -151,8 +151,7 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
   double asked = 1.0;  // the largest of the input itself and the response that was asked for
   for (const Hertz f : log_grid(band, kPoints))
     asked = std::max(asked, std::abs(sections.response(f.rad_s())));
-  if (out.at_input_v > 0.0)
-    out.from_bound_db = to_decibel(out.at_input_v * asked / board_by_name(plan.board).full_scale_v);
+  if (out.at_input_v > 0.0) out.from_bound_db = to_decibel(out.at_input_v * asked / kFullScaleV);
   double noise = 0.0;  // mean square at the pin, kT/C_u
   for (const double share : band_noise_of(SwitchedBoard(plan, true), band)) noise += share;
   const double rms_v = 1e-6 * assumptions.noise.microvolts(noise);

@@ -131,7 +131,7 @@ PlacedCam cam_from(const Node& node, const Board& board) {
   if (node.has("requested")) cam.requested = CamValues::from_node(node.at("requested"));
   if (node.has("realised")) cam.realised = CamValues::from_node(node.at("realised"));
   for (const auto& [name, value] : node.at("capacitors").members()) {
-    cam.capacitors.push_back({name, static_cast<int>(value.integer(0, 2 * board.max_capacitor))});
+    cam.capacitors.push_back({name, static_cast<int>(value.integer(0, 2 * kMostUnits))});
   }
   cam.z.numerators = numerators_from(node);
   cam.z.denominator = node.at("z_denominator").numbers();

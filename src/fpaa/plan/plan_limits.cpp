@@ -72,7 +72,7 @@ std::vector<BoardNodes> nodes_over(const SwitchedBoard& board, const std::vector
   return out;
 }
 
-Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board) {
+Headroom headroom_of(const SwitchedBoard& switched, Band band) {
   constexpr int kPoints = 360;
   constexpr double kInstants = 4e7;  // half a second
   const int points =
@@ -94,7 +94,7 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& boar
   double step = 1.0;
   const StepPeaks peaks(grid);
   for (const std::vector<Complex>& gain : gains) step = std::max(step, peaks.largest(gain));
-  return {board.full_scale_v / sine, board.full_scale_v / step};
+  return {kFullScaleV / sine, kFullScaleV / step};
 }
 
 ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {

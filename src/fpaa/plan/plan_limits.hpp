@@ -35,7 +35,7 @@ std::vector<BoardNodes> nodes_over(const SwitchedBoard& board, const std::vector
 
 /// The peak of every op-amp, as the switches make its voltage: over frequency, the largest value at any instant; and
 /// of its step response.
-Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board);
+Headroom headroom_of(const SwitchedBoard& switched, Band band);
 
 /// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every clock, against the
 /// signal at the output. Sines near a clock within the band are among

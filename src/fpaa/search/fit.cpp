@@ -36,7 +36,7 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
   std::vector<SearchVariable> unknowns;
   for (const FreeCapacitor& f : list) {
     const double value = design.stages[f.stage].c[f.capacitor];
-    const double most = 4.0 * table.target().max_capacitor;  // rounding scales stages down
+    const double most = 4.0 * kMostUnits;  // rounding scales stages down
     unknowns.push_back({.value = std::clamp(value, kLeastContinuous, most),
                         .min = kLeastContinuous,
                         .max = most,

@@ -6,15 +6,14 @@
 
 #include "fpaa/network/periodic_network.hpp"
 #include "fpaa/plan/clock_features.hpp"
+#include "numeric/sinc.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
 /// int exp(jrt) dt over a span that begins at `from`, over a period.
 Complex turning(double rate, double from, double length, double period) {
-  const double half = 0.5 * rate * length;
-  const double share = std::abs(half) < 1e-8 ? 1.0 : std::sin(half) / half;
-  return length / period * share * std::polar(1.0, rate * (from + 0.5 * length));
+  return length / period * sinc(0.5 * rate * length) * std::polar(1.0, rate * (from + 0.5 * length));
 }
 
 /// (1/T) int y exp(-jmt) dt over both phases of a stage's period.

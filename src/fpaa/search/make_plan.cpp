@@ -96,25 +96,6 @@ bool is_hopeless(const SwitchedBoard& board, const Sections& sections, Band band
   });
 }
 
-/// The longest part of the band that comes out within 2 %.
-std::optional<Band> usable_band(const SwitchedBoard& board, const Sections& sections, Band band) {
-  constexpr double kUsable = 0.02;
-  constexpr double kWorthNaming = 2.0;
-  double from = 0.0;
-  std::optional<Band> best;
-  bool open = false;
-  for (const Hertz f : log_grid(band, 200)) {
-    const RadPerSecond w = f.rad_s();
-    const double off = std::abs(board.gain(w) - sections.response(w));
-    const bool good = off < kUsable * error_reference(sections, w);
-    if (good && !open) from = f.value;
-    if (good && (!best || f.value / from > best->to.value / best->from.value)) best = Band{{from}, f};
-    open = good;
-  }
-  if (best && best->to.value < kWorthNaming * best->from.value) return std::nullopt;
-  return best;
-}
-
 /// What a search comes to in words, chips and percent in `form`; empty when that fails too.
 std::string tried(const Sections& sections, PlanOptions options, Band band, const Board& board,
                   const std::string& form) {
@@ -129,18 +110,13 @@ std::string tried(const Sections& sections, PlanOptions options, Band band, cons
                                    fmt::arg("percent", rounded_text(error.max_complex_percent, 3)));
 }
 
-/// What would make it fit, each tried: part of the band (the one given, else the upper and the lower part without
-/// the corners that ask for the most), more chips.
-std::string least_change(const Sections& sections, const PlanOptions& options, Band band, const Board& board,
-                         std::optional<Band> usable) {
-  std::vector<Band> bands;
-  if (usable) {
-    bands.push_back(*usable);
-  } else {
-    const double middle = std::sqrt(band.from.value * band.to.value);
-    bands = {{{middle}, band.to}, {band.from, {middle}}};
-  }
-  for (const Band& part : bands) {
+/// What would make it fit, each tried: the upper and the lower part of the band without the corners that ask for the most, more
+/// chips.
+std::string least_change(const Sections& sections, const PlanOptions& options, Band band,
+                         const Board& board) {
+  const Hertz middle{std::sqrt(band.from.value * band.to.value)};
+  const Band parts[] = {{middle, band.to}, {band.from, middle}};
+  for (const Band& part : parts) {
     std::string words = tried(sections, options, part, board,
                               fmt::format("from {} to {} Hz it is built, {{percent}} % off",
                                           rounded_text(part.from.value, 4), rounded_text(part.to.value, 4)));
@@ -171,8 +147,8 @@ std::optional<Refusal> not_a_response(const Sections& sections, Band band, const
                                sum == 0.0 ? "0" : "not finite")};
   }
   const double least_v =
-      noise.unit_noise_v() * std::sqrt(2.0 * band.to.value / board.master_clock.value / board.max_capacitor);
-  const double most = board.full_scale_v / least_v;
+      noise.unit_noise_v() * std::sqrt(2.0 * band.to.value / board.master_clock.value / kMostUnits);
+  const double most = kFullScaleV / least_v;
   if (peak <= most && peak >= 1.0 / most) return std::nullopt;
   return Refusal{fmt::format(
       "the largest gain from {} to {} Hz is {}, beyond what the noise of a capacitor leaves, expected {} to {}",
@@ -193,27 +169,27 @@ std::optional<Refusal> too_many_poles(const Sections& sections, const Board& boa
       poles, (poles + per_chip - 1) / per_chip, opamps)};
 }
 
-DesignScore score_of(const Plan& plan, const Board& board) {
+DesignScore score_of(const Plan& plan) {
   const PlanTotal& total = *plan.total;
   DesignScore out;
   out.designed = total.designed_percent / 100.0;
   out.noise = total.noise_percent / 100.0;
   out.p95 = std::sqrt(std::max(0.0, std::pow(total.p95_percent / 100.0, 2) - out.noise * out.noise));
-  out.input = total.at_input_v / board.full_scale_v;
+  out.input = total.at_input_v / kFullScaleV;
   out.bound = out.input / std::pow(10.0, total.from_bound_db / 20.0);
   out.image = total.image_percent / 100.0;
   return out;
 }
 
 /// Of plans with their figures the one that takes the first place by them, and the curve of TradeOff.
-Plan best_of(std::vector<FoundPlan> found, const Board& board) {
+Plan best_of(std::vector<FoundPlan> found) {
   std::vector<TradeOff> curve;
   std::pair<bool, double> least{true, std::numeric_limits<double>::infinity()};
   std::size_t best = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Plan& plan = found[i].plan;
-    const DesignScore score = score_of(plan, board);
-    const auto place = score.place(score.missing(board.full_scale_v), plan.opamps(), found[i].vendor);
+    const DesignScore score = score_of(plan);
+    const auto place = score.place(score.missing(), plan.opamps(), found[i].vendor);
     if (place < least) {
       least = place;
       best = i;
@@ -247,8 +223,6 @@ struct SharpRoot {
 /// The one that costs most, each at the best of the plan's clocks.
 SharpRoot costliest_root(const Plan& plan, const Sections& sections, Band band,
                          const MismatchModel& mismatch) {
-  constexpr double kOf95Percent = 1.96;
-  const double most = board_by_name(plan.board).max_capacitor;
   SharpRoot out;
   const auto add = [&](const Complex& root, bool is_zero) {
     const RadPerSecond w{std::abs(root)};
@@ -259,10 +233,10 @@ SharpRoot costliest_root(const Plan& plan, const Sections& sections, Band band,
       const double angle = w.value / cam->clock_a.value;
       const double ratio = 2.0 * std::sin(0.5 * angle);
       if (!(angle < std::numbers::pi)) continue;
-      const double below = std::min((is_zero ? 1.0 : 2.0) * most, most / ratio);
+      const double below = std::min((is_zero ? 1.0 : 2.0) * kMostUnits, kMostUnits / ratio);
       const double four = std::numbers::sqrt2 *
                           std::hypot(mismatch.relative_sigma(below), mismatch.relative_sigma(ratio * below));
-      const double percent = 100.0 * kOf95Percent * std::tan(0.5 * angle) / angle * four / damping;
+      const double percent = 100.0 * error_of_95_percent(0.0, std::tan(0.5 * angle) / angle * four / damping);
       if (percent < best.percent) {
         best.percent = percent;
         best.clock = cam->clock_a;
@@ -278,9 +252,9 @@ SharpRoot costliest_root(const Plan& plan, const Sections& sections, Band band,
 }
 
 /// What cannot all be had, and which part of it stands in the way; the curve goes where all is.
-void state_trade_off(Plan& plan, const Board& board, const SharpRoot& root) {
+void state_trade_off(Plan& plan, const SharpRoot& root) {
   const PlanTotal& total = *plan.total;
-  const double wanted_v = score_of(plan, board).wanted_input(board.full_scale_v) * board.full_scale_v;
+  const double wanted_v = score_of(plan).wanted_input() * kFullScaleV;
   std::vector<std::string> missed;
   if (total.designed_percent > 100.0 * kWantedDesigned)
     missed.push_back(fmt::format("{} % as designed (wanted {})", rounded_text(total.designed_percent, 2),
@@ -318,7 +292,7 @@ void state_figures(Plan& plan, const Sections& sections, Band band, const BoardA
   const SwitchedBoard board(plan);
   plan.error = stated_error(plan, board, sections, band, false);
   plan.error_with_delays = stated_error(plan, board, sections, band, true);
-  const Headroom headroom = headroom_of(board, band, board_by_name(plan.board));
+  const Headroom headroom = headroom_of(board, band);
   plan.max_input_v = std::min(headroom.sine_v, headroom.step_v);
   plan.max_step_v = headroom.step_v;
   const ImageLines images = images_of(board, plan, band);
@@ -362,29 +336,27 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   Outcome<std::vector<FoundPlan>> made = search_design(sections, band, options, board);
   if (const Refusal* refusal = refusal_of(made)) {
     if (given) return *refusal;
-    return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};
+    return Refusal{refusal->reason + least_change(sections, options, band, board)};
   }
   auto& found = std::get<std::vector<FoundPlan>>(made);
   state_figures(found.front().plan, sections, band, options.assumptions);
   // The others where the first one lacks something that is wanted.
-  if (!(score_of(found.front().plan, board).missing(board.full_scale_v) > 0.0)) found.resize(1);
+  if (!(score_of(found.front().plan).missing() > 0.0)) found.resize(1);
   for (std::size_t i = 1; i < found.size(); ++i)
     state_figures(found[i].plan, sections, band, options.assumptions);
-  Plan plan = best_of(std::move(found), board);
+  Plan plan = best_of(std::move(found));
   const SwitchedBoard switched(plan);
   const std::string unsettled = unsettled_text(plan);
   if (!given && is_hopeless(switched, sections, band)) {
     // No band and no number of chips mends that.
     if (!unsettled.empty()) return Refusal{"the best board does not settle. " + unsettled};
-    const std::optional<Band> usable = usable_band(switched, sections, band);
     const PlanError& error = plan.error_with_delays;
     return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
                                rounded_text(error.max_complex_percent, 3), rounded_text(error.worst.value, 3),
-                               plan.topology, plan.opamps(),
-                               least_change(sections, options, band, board, usable))};
+                               plan.topology, plan.opamps(), least_change(sections, options, band, board))};
   }
   add_new(plan.notes, unsettled);
-  state_trade_off(plan, board, costliest_root(plan, sections, band, options.assumptions.mismatch));
+  state_trade_off(plan, costliest_root(plan, sections, band, options.assumptions.mismatch));
   return plan;
 }
 

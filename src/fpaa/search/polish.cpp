@@ -23,14 +23,14 @@ double eighth_power(double squared) {
   return fourth * fourth;
 }
 
-std::vector<UnitMove> unit_moves(const CapacitorEffects& effects, const Design& design, int max_capacitor) {
+std::vector<UnitMove> unit_moves(const CapacitorEffects& effects, const Design& design) {
   std::vector<UnitMove> out;
   for (const CapacitorEffect& effect : effects.list) {
     const DesignStage& stage = design.stages[effect.stage];
     const double units = stage.c[effect.capacitor];
     for (const double step : kPolishSteps) {
       if (units + step < 1.0) continue;
-      if (units + step > stage.largest_units(effect.capacitor, max_capacitor)) continue;
+      if (units + step > stage.largest_units(effect.capacitor)) continue;
       UnitMove move{effect.stage, effect.capacitor, step, {effect.values.begin(), effect.values.end()}};
       const double by = std::log1p(step / units);
       for (Complex& change : move.change) change *= by;
@@ -110,7 +110,7 @@ void polish_pairs(Design& design, const StageFactorTable& table, const MismatchM
   double least = now.largest;
   if (!std::isfinite(now.smooth)) return;
   for (int round = 0; round < rounds; ++round) {
-    const std::vector<UnitMove> moves = unit_moves(now.effects, at, table.target().max_capacitor);
+    const std::vector<UnitMove> moves = unit_moves(now.effects, at);
     bool moved = false;
     for (const MovePair& pair : promising_pairs(moves, now.errors)) {
       const UnitMove* second = pair.first == pair.second ? nullptr : &moves[pair.second];

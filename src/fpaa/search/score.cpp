@@ -56,14 +56,14 @@ double DesignScore::total() const {
   return std::hypot(p95, image) + noise + kOutside * std::max(0.0, kInputWorthKeeping * bound / input - 1.0);
 }
 
-double DesignScore::wanted_input(double full_scale_v) const {
-  return std::min(kWantedInputV / full_scale_v, kInputWorthKeeping * std::min(bound, 1.0));
+double DesignScore::wanted_input() const {
+  return std::min(kWantedInputV / kFullScaleV, kInputWorthKeeping * bound);
 }
 
-double DesignScore::missing(double full_scale_v) const {
+double DesignScore::missing() const {
   const auto beyond = [](double of_wanted) { return std::max(0.0, of_wanted - 1.0); };
   return beyond(designed / kWantedDesigned) + beyond(std::hypot(p95, noise) / kWantedP95) +
-         beyond(wanted_input(full_scale_v) / input);
+         beyond(wanted_input() / input);
 }
 
 double DesignScore::rank(int opamps, bool vendor) const {
@@ -235,7 +235,7 @@ double step_peak(const Design& design, const DesignTarget& target) {
 }  // namespace
 
 DesignScore score_of(const Design& design, const StageFactorTable& table, const BoardAssumptions& assumptions,
-                     double full_scale_v, Spread spread) {
+                     Spread spread) {
   const DesignResponse response(design, table);
   const DesignTarget& target = table.target();
   const std::vector<Complex> errors = response.errors();
@@ -262,7 +262,7 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
   out.bound = 1.0 / asked;
   out.input = 1.0 / most;
   const double rms = assumptions.noise.unit_noise_v() * std::sqrt(band_noise(response));
-  const double signal = out.input * full_scale_v * peaks.back().output / std::numbers::sqrt2;
+  const double signal = out.input * kFullScaleV * peaks.back().output / std::numbers::sqrt2;
   out.noise = assumptions.noise.weight * rms / signal;
   return out;
 }

@@ -22,9 +22,9 @@ struct DesignScore {
   /// signal: taken as kOutside there, it grows as the input falls.
   double total() const;
   /// An input of 1 V, or two thirds of the bound where that is less, in full scales.
-  double wanted_input(double full_scale_v) const;
+  double wanted_input() const;
   /// By how much of itself each of what is wanted is missed, added up; 0: there is all of it.
-  double missing(double full_scale_v) const;
+  double missing() const;
   /// What designs are compared by, the least is the best: total() and the designed error once more (which no trim takes away), a share
   /// more for each op-amp and chip; a stage that AnadigmDesigner2 cannot make has to earn a tenth of a point.
   double rank(int opamps, bool vendor) const;
@@ -45,7 +45,7 @@ inline constexpr double kWantedInputV = 1.0;
 enum class Spread { by_frequency, by_drawn_boards };
 
 DesignScore score_of(const Design& design, const StageFactorTable& table, const BoardAssumptions& assumptions,
-                     double full_scale_v, Spread spread);
+                     Spread spread);
 
 /// What 95 % of boards keep at each point of the grid: the weighted errors with the mismatch of these capacitors.
 std::vector<double> errors_of_95_percent(const std::vector<Complex>& errors, const CapacitorEffects& effects,

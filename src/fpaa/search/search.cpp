@@ -67,13 +67,13 @@ bool is_vendor(const Design& design) {
 
 /// What whole capacitors could come to at best: each group as large as its bank; what does not come to half a unit is left out, or is
 /// one where the stage needs it.
-Design with_full_banks(Design design, int most) {
+Design with_full_banks(Design design) {
   for (DesignStage& stage : design.stages) {
     const DesignStage exact = stage;
     for (const std::vector<std::size_t>& group : scale_groups(stage)) {
       double by = 1e300;
       for (const std::size_t i : group) {
-        if (stage.c[i] > 0.0) by = std::min(by, stage.largest_units(i, most) / stage.c[i]);
+        if (stage.c[i] > 0.0) by = std::min(by, stage.largest_units(i) / stage.c[i]);
       }
       for (const std::size_t i : group) stage.c[i] *= by;
     }
@@ -376,8 +376,7 @@ class ChainSearch {
   }
 
   DesignScore full_bank_score(const Design& design, const StageFactorTable& table) const {
-    return score_of(with_full_banks(design, board_.max_capacitor), table, options_.assumptions,
-                    board_.full_scale_v, Spread::by_frequency);
+    return score_of(with_full_banks(design), table, options_.assumptions, Spread::by_frequency);
   }
 
   /// The best chains with single stages at twice or half their clock, as long as that pays.
@@ -434,7 +433,7 @@ class ChainSearch {
     std::vector<Candidate> out;
     for (Candidate& c : list) {
       if (out.size() == most) break;
-      const Design full = with_full_banks(*c.design, board_.max_capacitor);
+      const Design full = with_full_banks(*c.design);
       const Outcome<Plan> plan = plan_of_design(full, board_);
       if (const Refusal* refusal = refusal_of(plan)) {
         if (!why_not_) why_not_ = *refusal;
@@ -454,7 +453,7 @@ class ChainSearch {
   DesignTarget seen_closely(const Design& design) const {
     DesignTarget out = with_clocks_seen(fine_, design, sections_);
     if (options_.assumptions.slow.is_at_once()) return out;
-    const Outcome<Plan> plan = plan_of_design(with_full_banks(design, board_.max_capacitor), board_);
+    const Outcome<Plan> plan = plan_of_design(with_full_banks(design), board_);
     if (refusal_of(plan) != nullptr) return out;
     Plan late = std::get<Plan>(plan);
     late.slow = options_.assumptions.slow;
@@ -467,8 +466,8 @@ class ChainSearch {
   }
 
   void judge_whole(Candidate& c, const StageFactorTable& table) const {
-    c.score = score_of(*c.design, table, options_.assumptions, board_.full_scale_v, Spread::by_drawn_boards);
-    c.missing = c.score.missing(board_.full_scale_v);
+    c.score = score_of(*c.design, table, options_.assumptions, Spread::by_drawn_boards);
+    c.missing = c.score.missing();
   }
 
   /// Whole capacitors; the candidate's design stays as it was where there are none.

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "numeric/sinc.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -131,7 +133,7 @@ Clock factors_at(double first, double second) {
   // (1/T) int_0^{T/2} exp(jw tau) dtau = sin(wT/4)/(wT/4) exp(jwT/4)/2
   f.hold = at([](double turn) {
     const double quarter = 0.25 * turn;
-    return 0.5 * (quarter < 1e-9 ? 1.0 : std::sin(quarter) / quarter) * std::polar(1.0, quarter);
+    return 0.5 * sinc(quarter) * std::polar(1.0, quarter);
   });
   return f;
 }

@@ -61,7 +61,6 @@ struct DesignTarget {
   std::vector<double> sine_reciprocal;
   Band band;
   double master_hz = 16e6;
-  int max_capacitor = 255;
 };
 
 /// Stages on a target's grid, two of whose points stand in each pair (the last one twice where their number is odd).

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/whole_number.hpp"
+#include "fpaa/plan/clock_features.hpp"
 #include "fpaa/plan/error_reference.hpp"
 
 namespace bodesmith::fpaa {
@@ -30,7 +31,6 @@ DesignTarget design_target(const Sections& sections, Band band, double points, c
   DesignTarget out;
   out.band = band;
   out.master_hz = board.master_clock.value;
-  out.max_capacitor = board.max_capacitor;
   const double decades = std::log10(band.to.value / band.from.value);
   const auto inside = log_grid(band, whole_number<int>(points * decades, 30, 400));
   double peak = 0.0;
@@ -61,18 +61,13 @@ double corner_of(const DesignStage& stage, double master_hz) {
 DesignTarget with_clocks_seen(DesignTarget target, const Design& design, const Sections& sections) {
   constexpr double kWidths[] = {-10.0, -3.0, -1.0, -0.4, 0.4, 1.0, 3.0, 10.0};
   constexpr int kMultiples = 4;
-  constexpr double kNarrow = 1.0 / 6.0;  // of the clock: wider ones the grid sees
   const double soft = 1.0 / *std::ranges::max_element(target.reciprocal);
   for (const DesignStage& stage : design.stages) {
     const double clock = target.master_hz / static_cast<double>(stage.divisor);
     const double width = corner_of(stage, target.master_hz) / (2.0 * std::numbers::pi);
     if (width > kNarrow * clock) continue;
-    for (int k = 1; k <= kMultiples; ++k) {
-      for (const double widths : kWidths) {
-        const Hertz f{k * clock + widths * width};
-        if (f >= target.band.from && f <= target.band.to) add_point(target, sections, f, 1.0, soft);
-      }
-    }
+    for (const Hertz f : near_clocks({{{clock}, -width}}, target.band, kWidths, kMultiples))
+      add_point(target, sections, f, 1.0, soft);
   }
   return target;
 }

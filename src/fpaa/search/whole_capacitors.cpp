@@ -13,14 +13,14 @@ using Stage = DesignStage;
 
 /// A stage's whole capacitors at given scales of its groups; false where one does not come to a unit.
 bool rounded_at(Stage& stage, const Stage& exact_stage, const std::vector<std::vector<std::size_t>>& groups,
-                double node_scale, double first, double second, int max_capacitor) {
+                double node_scale, double first, double second) {
   const std::vector<double>& exact = exact_stage.c;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     if (!(exact[i] > 0.0)) continue;
     double scale = std::ranges::find(groups[0], i) != groups[0].end() ? first : second;
     if (!stage.is_first() && (i == Stage::kCA || i == Stage::kC3)) scale *= node_scale;
     const double units = std::round(exact[i] * scale);
-    if (units > stage.largest_units(i, max_capacitor)) return false;
+    if (units > stage.largest_units(i)) return false;
     stage.c[i] = units < 1.0 && exact_stage.may_be_left_out(i) ? 0.0 : std::max(1.0, units);
   }
   return true;
@@ -83,7 +83,7 @@ class InnerHeadroom {
 ///   low Q:   C4/CB and C2 C3/(CA CB);   high Q:   C4/C2 and C2 C3/(CA CB)
 /// The mismatch of the four that place it counts in addition to that (in part: the judge counts it whole): CA and CB as large as their banks.
 /// Complex zeros likewise: C1 C3/(Cpp CA), at whatever gain these come out best (other stages take it back).
-std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_capacitor, std::size_t count,
+std::vector<std::vector<double>> nearest_resonances(const Stage& exact, std::size_t count,
                                                     const MismatchModel& mismatch) {
   constexpr double kRatioOff = 0.015;
   constexpr double kLeastGain = 0.7;
@@ -120,7 +120,7 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
       for (double c1 = std::max(1.0, std::ceil(kLeastGain * alone)); c1 <= alone / kLeastGain; c1 += 1.0) {
         const double cpp = std::round(zeros * c1);
         const double wide = std::abs(cpp / (zeros * c1) - 1.0);
-        if (cpp < 1.0 || cpp > max_capacitor || !(wide < least)) continue;
+        if (cpp < 1.0 || cpp > kMostUnits || !(wide < least)) continue;
         least = wide;
         gain = c1 / alone;
       }
@@ -130,25 +130,25 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
     for (const int i : {Stage::kC1, Stage::kCp, Stage::kCpp}) {
       const auto at = static_cast<std::size_t>(i);
       c[at] = std::round(e[at] * scales[i] * gain);
-      if (c[at] > max_capacitor) return;
+      if (c[at] > kMostUnits) return;
     }
     const auto at = std::ranges::find_if(found, [&](const auto& other) { return off < other.first; });
     found.insert(at, {off, std::move(c)});
     if (found.size() > count) found.pop_back();
   };
-  const auto bank = static_cast<int>(exact.largest_units(Stage::kCA, max_capacitor));
-  for (int c2 = 1; c2 <= max_capacitor; c2 += c2 < 40 ? 1 : 3) {
+  const auto bank = static_cast<int>(exact.largest_units(Stage::kCA));
+  for (int c2 = 1; c2 <= kMostUnits; c2 += c2 < 40 ? 1 : 3) {
     const double c4_high = std::round(ratio * c2);
-    if (high && (c4_high > max_capacitor || std::abs(c4_high / c2 / ratio - 1.0) > kRatioOff)) continue;
+    if (high && (c4_high > kMostUnits || std::abs(c4_high / c2 / ratio - 1.0) > kRatioOff)) continue;
     // What CA and CB of at least a quarter and half of the largest leave for C3.
-    const double most = std::min<double>(max_capacitor, product * bank * bank / c2);
+    const double most = std::min<double>(kMostUnits, product * bank * bank / c2);
     const auto least = whole_number<int>(product * bank * bank / (8.0 * c2), 1);
     for (int c3 = least; c3 <= most; c3 += c3 < 40 ? 1 : 7) {
-      for (int cb = bank / 2; cb <= bank; cb += (high ? 1 : 3) * bank / max_capacitor) {
+      for (int cb = bank / 2; cb <= bank; cb += (high ? 1 : 3) * bank / kMostUnits) {
         const double ca = std::round(c2 * c3 / (product * cb));
         if (ca < bank / 4.0 || ca > bank) continue;
         const double c4 = high ? c4_high : std::round(ratio * cb);
-        if (c4 > max_capacitor || std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) > kRatioOff) continue;
+        if (c4 > kMostUnits || std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) > kRatioOff) continue;
         add(c2, c3, c4, ca, cb);
       }
     }
@@ -212,14 +212,13 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   const DesignResponse response(design, table);
   const StagePlace place(response, response.ways(), s);
   const std::vector<Complex> errors = response.errors();
-  const int max = table.target().max_capacitor;
   const bool second_order = stage.kind != Stage::Kind::first;
   const auto largest_scale = [&](const std::vector<std::size_t>& group, double node_scale) {
     double out = 1e300;
     for (const std::size_t i : group) {
       const bool inner = second_order && (i == Stage::kCA || i == Stage::kC3);
       if (exact[i] > 0.0)
-        out = std::min(out, stage.largest_units(i, max) / (exact[i] * (inner ? node_scale : 1.0)));
+        out = std::min(out, stage.largest_units(i) / (exact[i] * (inner ? node_scale : 1.0)));
     }
     return out;
   };
@@ -258,8 +257,7 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
         const double second = second_order ? largest_scale(groups[1], node_scale) *
                                                  std::pow(smallest, static_cast<double>(b) / scales)
                                            : 1.0;
-        if (!rounded_at(stage, design.stages[s], groups, node_scale, first, second, max) ||
-            !stage.is_stable())
+        if (!rounded_at(stage, design.stages[s], groups, node_scale, first, second) || !stage.is_stable())
           continue;
         judge();
       }
@@ -268,7 +266,7 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   if (second_order) {
     constexpr std::size_t kResonances = 120;
     stage.c = exact;
-    for (std::vector<double>& c : nearest_resonances(stage, max, kResonances, width.mismatch)) {
+    for (std::vector<double>& c : nearest_resonances(stage, kResonances, width.mismatch)) {
       stage.c = std::move(c);
       if (stage.is_stable()) judge();
     }

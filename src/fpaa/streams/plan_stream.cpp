@@ -215,8 +215,8 @@ class ChipWriter {
              stage.cam->cab, chip_.chip, opamps_[cab], capacitors_[cab], kOpAmps, last_capacitor_[cab]);
     }
     for (const StageCapacitor& c : stage.switches.capacitors) {
-      if (c.units < 1 || c.units > 255)
-        refuse("capacitor {} of {} is {} units, expected 1 to 255", c.name, stage.name, c.units);
+      if (c.units < 1 || c.units > kMostUnits)
+        refuse("capacitor {} of {} is {} units, expected 1 to {}", c.name, stage.name, c.units, kMostUnits);
     }
     auto& clocks = cab_clocks_[cab];
     for (std::size_t i = 0; i < clocks.size(); ++i) {

@@ -11,7 +11,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr std::uint8_t kStreamSynch = 0xD5;
 constexpr int kMostDummies = 16;
 
 FoundStream found(std::string name, FileForm form, Bytes bytes) {
@@ -26,7 +25,7 @@ FoundStream found(std::string name, FileForm form, Bytes bytes) {
 /// Zeros, then the synch byte.
 bool looks_like_stream(std::string_view bytes) {
   const std::size_t at = bytes.find_first_not_of('\0');
-  return at != std::string_view::npos && static_cast<std::uint8_t>(bytes[at]) == kStreamSynch;
+  return at != std::string_view::npos && static_cast<std::uint8_t>(bytes[at]) == kSynch;
 }
 
 bool is_text(std::string_view text) {
@@ -55,8 +54,7 @@ std::vector<std::pair<std::string, Bytes>> byte_arrays(std::string_view text, co
       if (t[k].text == ",") continue;
       plain = is_number(k);
       // Only the first value tells whether this list is a stream at all.
-      if (plain && bytes.empty() && c_integer(t[k], 0x7FFFFFFF, file) != kStreamSynch &&
-          t[k].text != "0x00") {
+      if (plain && bytes.empty() && c_integer(t[k], 0x7FFFFFFF, file) != kSynch && t[k].text != "0x00") {
         plain = false;
       }
       if (plain) bytes.push_back(static_cast<std::uint8_t>(c_integer(t[k], 255, file)));

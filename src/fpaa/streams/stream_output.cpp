@@ -82,7 +82,7 @@ double check_streams(const Plan& plan, const PlanStreams& streams) {
 std::string first_power_on(const Plan& plan, const PlanStreams& streams) {
   const SignalPins ends = ends_of(plan, streams);
   const PeriodicNetworks runs = read_back_networks(plan, streams);
-  const double limit = plan.max_input_v > 0.0 ? plan.max_input_v : 3.0;
+  const double limit = plan.max_input_v > 0.0 ? plan.max_input_v : kFullScaleV;
   const double tone = std::min(kLargestTone, kToneShare * limit);
   Json data;
   data["status"] = kStreamStatus;
@@ -98,7 +98,7 @@ std::string first_power_on(const Plan& plan, const PlanStreams& streams) {
     const double hz = round_tone(f.value);
     const Complex h = runs.gain(Hertz{hz}.rad_s());
     data["readings"].push_back({{"hz", rounded_text(hz)},
-                                {"gain_db", fmt::format("{:.2f}", 20.0 * std::log10(std::abs(h)))},
+                                {"gain_db", fmt::format("{:.2f}", to_decibel(std::abs(h)))},
                                 {"phase_deg", fmt::format("{:.1f}", std::arg(h) * 180.0 / std::numbers::pi)},
                                 {"out_v", fmt::format("{:.3f}", tone * std::abs(h))}});
   }

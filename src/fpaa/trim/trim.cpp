@@ -105,20 +105,6 @@ double with_error(double units, double x, const MismatchModel& mismatch) {
   return units > 0.0 ? units * std::exp(x) + mismatch.systematic_units : 0.0;
 }
 
-double variance_of_unit(const MismatchModel& mismatch) {
-  return std::pow(mismatch.unit_percent / 100.0, 2);
-}
-
-ExchangedUnits exchange_of(double from, int to, const TrimOptions& options) {
-  return exchanged_units(nearest_whole<int>(from), to, options.array, variance_of_unit(options.mismatch));
-}
-
-/// What a capacitor of n units with the relative error x (ln) is expected to be with `to` units.
-double trimmed_capacitor(double n, double x, int to, const TrimOptions& options) {
-  if (to == 0) return 0.0;
-  return to + n * std::expm1(x) * exchange_of(n, to, options).kept + options.mismatch.systematic_units;
-}
-
 std::vector<double> with_errors(const std::vector<double>& units, const MismatchModel& mismatch,
                                 const VectorXd& x) {
   std::vector<double> out(units);
@@ -131,12 +117,11 @@ std::vector<double> with_errors(const std::vector<double>& units, const Mismatch
 /// New capacitors of a board of which something is known.
 class TrimDesign {
  public:
-  TrimDesign(const DrawnBoard& board, int max_units, const std::vector<Complex>& wanted,
-             const BoardEstimate& estimate, const TrimOptions& options)
+  TrimDesign(const DrawnBoard& board, const std::vector<Complex>& wanted, const BoardEstimate& estimate,
+             const TrimOptions& options)
       : board_(board), wanted_(wanted), estimate_(estimate), options_(options) {
     const std::vector<double>& built = board_.nominal_units();
-    problem_.max_units = max_units;
-    problem_.unit_variance = variance_of_unit(options.mismatch);
+    problem_.unit_variance = std::pow(options.mismatch.unit_percent / 100.0, 2);
     problem_.systematic_units = options.mismatch.systematic_units;
     problem_.array = options.array;
     problem_.seed = options.seed;
@@ -177,9 +162,8 @@ class TrimDesign {
       const ResponseDifference was = compare_responses(board_.grid(), board_.response(real), wanted_);
       for (std::size_t c = 0; c < real.size(); ++c) {
         const double number = random.normal();
-        if (units[c] == 0) continue;
-        const ExchangedUnits moved = exchange_of(old[c], units[c], options_);
-        real[c] = trimmed_capacitor(old[c], x[c], units[c], options_) + std::sqrt(moved.variance) * number;
+        const auto moved = problem_.exchanged(problem_.built[c], old[c] * std::expm1(x[c]), units[c]);
+        real[c] = moved.units + std::sqrt(moved.variance) * number;
       }
       const ResponseDifference is = compare_responses(board_.grid(), board_.response(real), wanted_);
       better = better && is.max_complex_percent < was.max_complex_percent &&
@@ -203,15 +187,14 @@ class TrimDesign {
     return out;
   }
 
-  static constexpr double kSigmas = 2.0;
-
-  /// Error and slopes at problem_.units, not linear; the worst error expected there, with two standard
-  /// deviations of what exchanged units add.
+  /// Error and slopes at problem_.units, not linear; the worst error expected there.
   double linearise() {
-    const std::vector<double>& built = board_.nominal_units();
-    std::vector<double> real(built.size());
-    for (std::size_t c = 0; c < real.size(); ++c) {
-      real[c] = trimmed_capacitor(built[c], estimate_.error[c], problem_.units[c], options_);
+    std::vector<double> real, variances;
+    for (std::size_t c = 0; c < problem_.units.size(); ++c) {
+      const auto [units, variance] =
+          problem_.exchanged(problem_.built[c], problem_.excess[c], problem_.units[c]);
+      real.push_back(units);
+      variances.push_back(variance);
     }
     const std::vector<Complex> got = board_.response(real);
     problem_.slope = board_.sensitivities(real);
@@ -224,10 +207,9 @@ class TrimDesign {
       for (std::size_t c = 0; c < real.size(); ++c) {
         problem_.slope[c][k] *= ratio;
         if (problem_.units[c] == 0) continue;
-        variance += exchange_of(built[c], problem_.units[c], options_).variance / (real[c] * real[c]) *
-                    std::norm(problem_.slope[c][k]);
+        variance += variances[c] / (real[c] * real[c]) * std::norm(problem_.slope[c][k]);
       }
-      worst = std::max(worst, std::abs(ratio - 1.0) + kSigmas * std::sqrt(variance));
+      worst = std::max(worst, std::abs(ratio - 1.0) + kCountedDeviations * std::sqrt(variance));
     }
     return worst;
   }
@@ -318,7 +300,7 @@ Trim trim_board(const Plan& plan, const std::vector<Complex>& wanted, const std:
   out.array = options.array;
   out.estimate = estimate_board(plan, measured, options.mismatch);
   const DrawnBoard board(plan, grid);
-  TrimDesign design(board, board_by_name(plan.board).max_capacitor, wanted, out.estimate, options);
+  TrimDesign design(board, wanted, out.estimate, options);
   const std::vector<int> units = design.best();
   out.improved = design.proves(units, out.before, out.after);
   if (!out.improved) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/whole_number.hpp"
+#include "fpaa/device/board.hpp"
 #include "numeric/linear_algebra/dense.hpp"
 #include "numeric/random.hpp"
 
@@ -27,8 +28,6 @@ constexpr int kMaxSweeps = 60;
 /// In exchanges singles are tried up to so many units, pairs by one of these each.
 constexpr int kReach = 4;
 constexpr int kTrimPairReach = 2;
-/// Standard deviations of what exchanged units add that count as error.
-constexpr double kCounted = 2.0;
 /// An exchange is worth making from here on.
 constexpr double kBetter = 1.0 - 1e-9;
 
@@ -93,19 +92,14 @@ class TrimSearch {
     const int most = static_cast<int>(kMaxRelativeMove * n);
     const int reach = std::max(most > 0 ? 1 : 0, static_cast<int>(problem_.reach * now));
     if (side < 0) return std::min(now, std::max({1, n - most, now - reach}));
-    return std::max(now, std::min({problem_.max_units, n + most, now + reach}));
-  }
-  double capacitor(std::size_t c, int units) const {
-    const ExchangedUnits x =
-        exchanged_units(problem_.built[c], units, problem_.array, problem_.unit_variance);
-    return units + problem_.excess[c] * x.kept + problem_.systematic_units;
+    return std::max(now, std::min({kMostUnits, n + most, now + reach}));
   }
   TrimPlace place_of(std::size_t c, int units) const {
     if (units <= 0) return {};
-    const double size = capacitor(c, units);
-    const ExchangedUnits x =
-        exchanged_units(problem_.built[c], units, problem_.array, problem_.unit_variance);
-    return {std::log(size / capacitor(c, problem_.units[c])), x.variance / (size * size)};
+    const auto with = [&](int to) { return problem_.exchanged(problem_.built[c], problem_.excess[c], to); };
+    const TrimProblem::Exchanged there = with(units);
+    return {std::log(there.units / with(problem_.units[c]).units),
+            there.variance / (there.units * there.units)};
   }
   const TrimPlace& place(std::size_t c, int units) const {
     return places_[c][static_cast<std::size_t>(units - lowest_[c])];
@@ -149,8 +143,9 @@ class TrimSearch {
     double worst = 0.0;
     double sum = 0.0;
     for (std::size_t k = 0; k < from.error.size(); ++k) {
-      const double here = std::abs(from.error[k] + by * problem_.slope[c][k]) +
-                          kCounted * std::sqrt(std::max(0.0, from.variance[k] + more * slope_norm_[c][k]));
+      const double here =
+          std::abs(from.error[k] + by * problem_.slope[c][k]) +
+          kCountedDeviations * std::sqrt(std::max(0.0, from.variance[k] + more * slope_norm_[c][k]));
       if (here > limit) return std::numeric_limits<double>::infinity();
       worst = std::max(worst, here);
       sum += here * here;
@@ -250,6 +245,12 @@ class TrimSearch {
 };
 
 }  // namespace
+
+TrimProblem::Exchanged TrimProblem::exchanged(int from, double more, int to) const {
+  if (to <= 0) return {};
+  const ExchangedUnits x = exchanged_units(from, to, array, unit_variance);
+  return {to + more * x.kept + systematic_units, x.variance};
+}
 
 std::vector<int> search_trim(const TrimProblem& problem) {
   return TrimSearch(problem).run();

@@ -130,7 +130,7 @@ std::vector<fpaa::ControllerVariant> board_controllers(const Project& project) {
   if (!project.fpaa || project.choice != Project::Choice::tracking) return {};
   fpaa::ControllerOptions options;
   options.board = project.fpaa->board;
-  auto made = fpaa::make_controller(project.target.disturbance, nullptr, nullptr, options);
+  auto made = fpaa::make_controller(project.target.disturbance, {}, options);
   auto* board = std::get_if<fpaa::Controller>(&made);
   if (board == nullptr) return {};
   std::erase_if(board->variants, [](const fpaa::ControllerVariant& one) {
@@ -195,15 +195,15 @@ double TrackedController::worst_percent() const {
   return std::numeric_limits<double>::infinity();
 }
 
-Outcome<TrackedController> track_controller(const Disturbance& disturbance, const fpaa::Plan* ascending,
-                                            const fpaa::Plan* descending,
+Outcome<TrackedController> track_controller(const Disturbance& disturbance,
+                                            const fpaa::BranchPlans& compensators,
                                             const fpaa::ControllerOptions& options, bool clock_is_given,
                                             const tracking::Stage& stage,
                                             const std::vector<Hertz>& frequencies) {
   constexpr double kWantedPercent = 0.05;
   constexpr Hertz kFaster{1e6};
   const auto made = [&](const fpaa::ControllerOptions& at, bool alone) -> Outcome<TrackedController> {
-    auto outcome = fpaa::make_controller(disturbance, ascending, descending, at);
+    auto outcome = fpaa::make_controller(disturbance, compensators, at);
     if (const Refusal* refusal = refusal_of(outcome)) return *refusal;
     TrackedController out{std::get<fpaa::Controller>(std::move(outcome)), {}};
     for (std::size_t i = 0; alone && i < out.controller.variants.size(); ++i) {

@@ -76,8 +76,8 @@ struct TrackedController {
 /// A controller (fpaa::make_controller) run on the board, its variant chosen by that. At the fast clock as it is given; without one
 /// (not `clock_is_given`) at 250 kHz, and where that tracks worse than is asked of a board at 1 MHz if that meets it, which the vendor's
 /// limit of (1 + gain) fc leaves room for up to a gain of 18.
-Outcome<TrackedController> track_controller(const Disturbance& disturbance, const fpaa::Plan* ascending,
-                                            const fpaa::Plan* descending,
+Outcome<TrackedController> track_controller(const Disturbance& disturbance,
+                                            const fpaa::BranchPlans& compensators,
                                             const fpaa::ControllerOptions& options, bool clock_is_given,
                                             const tracking::Stage& stage,
                                             const std::vector<Hertz>& frequencies);

@@ -67,16 +67,16 @@ TEST(FilterStage, SaysWhatItTakes) {
   EXPECT_TRUE(low.is_vendors());
   EXPECT_EQ(low.capacitor_count(), 6);
   EXPECT_EQ(low.resources().capacitors, 7) << "CB takes a second bank, CA fills its one";
-  EXPECT_EQ(low.largest_units(FilterStage::kCA, 255), 510.0);
-  EXPECT_EQ(low.largest_units(FilterStage::kCB, 255), 510.0);
-  EXPECT_EQ(low.largest_units(FilterStage::kC2, 255), 255.0);
+  EXPECT_EQ(low.largest_units(FilterStage::kCA), 510.0);
+  EXPECT_EQ(low.largest_units(FilterStage::kCB), 510.0);
+  EXPECT_EQ(low.largest_units(FilterStage::kC2), 255.0);
   EXPECT_EQ(low.switched_units(1), 35.0);
   EXPECT_EQ(low.switched_units(2), 17.0 + 12.0);
   low.c1_inverting = false;
   EXPECT_FALSE(low.is_vendors());
   FilterStage both{second_high, {20, 3, 0, 15, 17, 12, 255, 255}};
   EXPECT_FALSE(both.is_vendors()) << "two inputs at once";
-  EXPECT_EQ(both.largest_units(FilterStage::kCA, 255), 255.0)
+  EXPECT_EQ(both.largest_units(FilterStage::kCA), 255.0)
       << "seven capacitors leave no room for a second bank";
   EXPECT_EQ(both.switched_units(2), 17.0) << "C4 and Cp are static";
   EXPECT_EQ(both.input_of(FilterStage::kCpp), 0);

@@ -63,7 +63,7 @@ void expect_legal_controller(const ControllerVariant& v) {
     cabs[{cam.chip, cam.cab}] += in_cab;
     EXPECT_GE(cam.chip, 1);
     EXPECT_LE(cam.chip, board.chips);
-    for (const Capacitor& c : cam.capacitors) EXPECT_LE(c.units, board.max_capacitor) << cam.name;
+    for (const Capacitor& c : cam.capacitors) EXPECT_LE(c.units, kMostUnits) << cam.name;
   }
   for (const auto& [place, used] : cabs)
     EXPECT_TRUE(used.fits_in(board.per_cab)) << place.first << "." << place.second;
@@ -124,17 +124,17 @@ TEST(Controller, SlowReferencesArePassedOverWhereTheLoopHasSettled) {
     }
   };
   for (const ControllerVariant& variant :
-       value_or_throw(make_controller(seed_disturbance(), nullptr, nullptr, {})).variants) {
+       value_or_throw(make_controller(seed_disturbance(), {}, {})).variants) {
     if (variant.fits()) expect_same(variant, 0.0051234567);
   }
   // Compensators of a slow clock of their own.
-  expect_same(value_or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), {})).best(),
+  expect_same(value_or_throw(make_controller(seed_disturbance(), {nullptr, &seed_plan()}, {})).best(),
               0.51234567);
 }
 
 TEST(Controller, SeedsWholeControllerFitsTheFourChips) {
   const Controller controller =
-      value_or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), {}));
+      value_or_throw(make_controller(seed_disturbance(), {nullptr, &seed_plan()}, {}));
   ASSERT_EQ(controller.variants.size(), 12u);
   for (const ControllerVariant& v : controller.variants) {
     if (v.structure == ControllerStructure::two_pass) continue;
@@ -150,7 +150,7 @@ TEST(Controller, SeedsWholeControllerFitsTheFourChips) {
 }
 
 TEST(Controller, PolynomialErrorsAreThoseOfTheConverters) {
-  const Controller controller = value_or_throw(make_controller(seed_disturbance(), nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(seed_disturbance(), {}, {}));
   const auto error = [&](PolynomialBy by) {
     return variant_of(controller, by, ControllerStructure::open).max_error_percent;
   };
@@ -166,7 +166,7 @@ TEST(Controller, PolynomialErrorsAreThoseOfTheConverters) {
 
 TEST(Controller, LoopLeavesOnlyTheConvertersSteps) {
   const Disturbance d = seed_with_rates();
-  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(d, {}, {}));
   for (const ControllerVariant& v : controller.variants) {
     if (!v.fits()) continue;
     expect_legal_controller(v);
@@ -189,7 +189,7 @@ TEST(Controller, OtherDisturbances) {
   d.rate.frequency = {{1}, {30}};
   d.rate.ascending = {1, 1.3};
   d.rate.descending = {1, 0.8};
-  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(d, {}, {}));
   for (const auto by : {PolynomialBy::outside, PolynomialBy::multipliers, PolynomialBy::lookup}) {
     const ControllerVariant& v = variant_of(controller, by, ControllerStructure::loop);
     ASSERT_TRUE(v.fits()) << v.name();
@@ -203,7 +203,7 @@ TEST(Controller, ALineFlattensATable) {
   Disturbance d;
   d.ascending = {0.3, -0.05, 0.0};
   d.descending = {0.28, 0.05, 0.0};
-  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(d, {}, {}));
   const ControllerVariant& v = variant_of(controller, PolynomialBy::lookup, ControllerStructure::loop);
   ASSERT_TRUE(v.fits());
   ASSERT_EQ(v.find("AscendingGain")->inputs.size(), 2u);
@@ -216,7 +216,7 @@ TEST(Controller, ALineFlattensATable) {
 TEST(Controller, BranchWithoutDisturbance) {
   Disturbance d;
   d.ascending = {0.2, -0.2, 0.0};
-  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(d, {}, {}));
   EXPECT_LT(worst_residue(variant_of(controller, PolynomialBy::lookup, ControllerStructure::loop), d, 5.0),
             0.003);
 }
@@ -226,19 +226,18 @@ TEST(Controller, LoopThatDoesNotSettleIsRefusedInOneLine) {
   for (double& a : d.ascending) a *= 3.0;
   ControllerOptions options;
   options.structure = ControllerStructure::loop;
-  const Outcome<Controller> outcome = make_controller(d, nullptr, nullptr, options);
+  const Outcome<Controller> outcome = make_controller(d, {}, options);
   const Refusal* refusal = refusal_of(outcome);
   ASSERT_NE(refusal, nullptr);
   EXPECT_THAT(refusal->reason, HasSubstr("|K d'| is 1.0"));
   EXPECT_THAT(refusal->reason, HasSubstr("two-pass"));
   EXPECT_EQ(refusal->reason.find('\n'), std::string::npos);
   // Without the wish another structure is taken.
-  EXPECT_NE(value_or_throw(make_controller(d, nullptr, nullptr, {})).best().structure,
-            ControllerStructure::loop);
+  EXPECT_NE(value_or_throw(make_controller(d, {}, {})).best().structure, ControllerStructure::loop);
 }
 
 TEST(ControllerNetlist, ItsClocksAreThoseOfItsCams) {
-  const Controller controller = value_or_throw(make_controller(seed_disturbance(), nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(seed_disturbance(), {}, {}));
   const ControllerVariant& variant = variant_of(controller, PolynomialBy::outside, ControllerStructure::loop);
   std::set<double> wanted, written;
   for (const ControllerCam& cam : variant.cams) wanted.insert(1.0 / cam.clock_a.value);
@@ -254,19 +253,19 @@ TEST(Controller, EveryConverterNeedsItsClockB) {
   ControllerOptions options;
   options.fast_clock = {2e6};  // 16 times it is above the master clock
   Disturbance d = seed_disturbance();
-  const Controller fast = value_or_throw(make_controller(d, nullptr, nullptr, options));
+  const Controller fast = value_or_throw(make_controller(d, {}, options));
   EXPECT_TRUE(variant_of(fast, PolynomialBy::outside, ControllerStructure::loop).fits());
   EXPECT_FALSE(variant_of(fast, PolynomialBy::lookup, ControllerStructure::loop).fits());
   // Amplitude gains are multipliers, also where the powers come from outside.
   d.amplitude.alpha = {0.5, 1.0};
   d.amplitude.ascending = {0.6, 1.0};
   d.amplitude.descending = {0.6, 1.0};
-  const auto outcome = make_controller(d, nullptr, nullptr, options);
+  const auto outcome = make_controller(d, {}, options);
   const Refusal* refusal = refusal_of(outcome);
   ASSERT_NE(refusal, nullptr);
   EXPECT_THAT(refusal->reason, HasSubstr("ClockB"));
   options.fast_clock = {250e3};
-  const Controller slow = value_or_throw(make_controller(d, nullptr, nullptr, options));
+  const Controller slow = value_or_throw(make_controller(d, {}, options));
   const ControllerVariant& v = variant_of(slow, PolynomialBy::lookup, ControllerStructure::loop);
   expect_legal_controller(v);
   EXPECT_NE(v.find("AscendingAmplitude"), nullptr);
@@ -274,7 +273,8 @@ TEST(Controller, EveryConverterNeedsItsClockB) {
 }
 
 TEST(Controller, TwoCompensatorsStillFitAndTooManyAreRefused) {
-  const Controller two = value_or_throw(make_controller(seed_disturbance(), &seed_plan(), &seed_plan(), {}));
+  const Controller two =
+      value_or_throw(make_controller(seed_disturbance(), {&seed_plan(), &seed_plan()}, {}));
   expect_legal_controller(two.best());
   Sections many;
   for (int i = 0; i < 28; ++i)
@@ -282,7 +282,7 @@ TEST(Controller, TwoCompensatorsStillFitAndTooManyAreRefused) {
   PlanOptions options;
   options.clock = Hertz{2000.0};
   const Plan big = plan_of(many, options);
-  const Outcome<Controller> outcome = make_controller(seed_disturbance(), nullptr, &big, {});
+  const Outcome<Controller> outcome = make_controller(seed_disturbance(), {nullptr, &big}, {});
   const Refusal* refusal = refusal_of(outcome);
   ASSERT_NE(refusal, nullptr) << "28 sections and the rest of the controller cannot fit";
   EXPECT_THAT(refusal->reason, HasSubstr("fit"));
@@ -294,15 +294,15 @@ TEST(Controller, AskedForWayIsTaken) {
   options.polynomial = PolynomialBy::lookup;
   options.structure = ControllerStructure::delayed;
   const Controller controller =
-      value_or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), options));
+      value_or_throw(make_controller(seed_disturbance(), {nullptr, &seed_plan()}, options));
   EXPECT_EQ(controller.best().by, PolynomialBy::lookup);
   EXPECT_EQ(controller.best().structure, ControllerStructure::delayed);
   options.fast_clock = {3.0};
-  EXPECT_NE(refusal_of(make_controller(seed_disturbance(), nullptr, nullptr, options)), nullptr);
+  EXPECT_NE(refusal_of(make_controller(seed_disturbance(), {}, options)), nullptr);
 }
 
 TEST(Controller, IsAPlanWithEveryWire) {
-  const Controller controller = value_or_throw(make_controller(seed_with_rates(), nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(seed_with_rates(), {}, {}));
   expect_kept("fpaa/kept_controller.txt",
               controller_sheet(controller) + gain_sets_csv(controller.best(), seed_with_rates()) +
                   line_a_key(controller.to_json()) + "picture " +

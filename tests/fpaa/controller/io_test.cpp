@@ -39,12 +39,12 @@ const ControllerVariant& loop_of(const Controller& controller, PolynomialBy by) 
 
 TEST(ControllerWeights, UnitsAreTheBestThereAre) {
   // Every Cout and every whole number next to what is wanted, tried one by one.
-  const Controller controller = value_or_throw(make_controller(rated_disturbance(), nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(rated_disturbance(), {}, {}));
   ControllerCam cam = *loop_of(controller, PolynomialBy::outside).find("AscendingSum");
   for (const std::vector<double>& weights :
        {std::vector<double>{1.0, 0.377, -0.61}, {1.0, 200.0, 7.0}, {1.0, -0.02, 0.0}}) {
     cam.weights = weights;
-    set_weights_first_exact(cam, 255);
+    set_weights_first_exact(cam);
     double least = 1e9;
     for (int out = 1; out <= 255; ++out) {
       double sum = 0.0;
@@ -65,7 +65,7 @@ TEST(ControllerWeights, UnitsAreTheBestThereAre) {
 }
 
 TEST(ControllerStreams, BytesMakeTheWeights) {
-  const Controller controller = value_or_throw(make_controller(rated_disturbance(), nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(rated_disturbance(), {}, {}));
   const ControllerVariant& v = loop_of(controller, PolynomialBy::outside);
   const Plan plan = controller_plan(v);
   const an231::PlanStreams streams = value_or_throw(an231::plan_streams(plan));
@@ -96,7 +96,7 @@ TEST(ControllerStreams, BytesMakeTheWeights) {
 
 TEST(ControllerStreams, UpdatesAreCapacitorsOnly) {
   const Disturbance d = rated_disturbance();
-  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(d, {}, {}));
   ControllerStreams made = value_or_throw(controller_streams(loop_of(controller, PolynomialBy::outside), d));
   EXPECT_GT(made.sets, 40u);
   const TemporaryFolder folder;
@@ -130,7 +130,7 @@ TEST(ControllerStreams, LookupTablesAreThePublicStreamsBytes) {
   const Disturbance d = rated_disturbance();
   ControllerOptions options;
   options.outside_switch = true;
-  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, options));
+  const Controller controller = value_or_throw(make_controller(d, {}, options));
   const ControllerVariant& v = loop_of(controller, PolynomialBy::lookup);
   EXPECT_EQ(v.find("Slope"), nullptr);
   const Plan plan = controller_plan(v);
@@ -179,7 +179,7 @@ TEST(ControllerStreams, LookupTablesAreThePublicStreamsBytes) {
 
 TEST(ControllerStreams, UnknownSwitchesAreNamed) {
   const Disturbance d = rated_disturbance();
-  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, {}));
+  const Controller controller = value_or_throw(make_controller(d, {}, {}));
   const auto outcome = controller_streams(loop_of(controller, PolynomialBy::lookup), d);
   const Refusal* refusal = refusal_of(outcome);
   ASSERT_NE(refusal, nullptr);

@@ -152,7 +152,6 @@ TEST(DesignTarget, PointsOverTheBandAndAFewBeyond) {
   const Band band{{10.0}, {5000.0}};
   const DesignTarget target = design_target(sections, band, 40.0, board);
   EXPECT_EQ(target.master_hz, board.master_clock.value);
-  EXPECT_EQ(target.max_capacitor, board.max_capacitor);
   const std::vector<Hertz> sharp = about_sharp_roots(sections, band);
   ASSERT_EQ(target.grid.size(), 107u + sharp.size() + 8u);  // 40 of 2.7 decades
   EXPECT_NEAR(target.grid.front().value, band.from.rad_s().value, 1e-9);

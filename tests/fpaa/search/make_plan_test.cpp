@@ -65,7 +65,7 @@ void expect_legal(const Plan& plan) {
       for (const Capacitor& c : cam.capacitors) {
         EXPECT_GE(c.units, 1);
         // CA and CB of a two-op-amp stage may have two banks.
-        EXPECT_LE(c.units, (c.name == "CA" || c.name == "CB" ? 2 : 1) * board.max_capacitor);
+        EXPECT_LE(c.units, (c.name == "CA" || c.name == "CB" ? 2 : 1) * kMostUnits);
       }
       EXPECT_DOUBLE_EQ(chip.clocks.frequency(board, static_cast<std::size_t>(cam.clock_index)).value,
                        cam.clock_a.value);

@@ -32,7 +32,7 @@ double noise_of(std::int64_t divisor, double units, double to_hz) {
   design.stages = {stage};
   const DesignTarget target = flat_target(1.0, to_hz);
   const StageFactorTable table(target);
-  return score_of(design, table, BoardAssumptions(), 3.0, Spread::by_frequency).noise;
+  return score_of(design, table, BoardAssumptions(), Spread::by_frequency).noise;
 }
 
 TEST(Score, NoiseInTheBandIsThatOfTheSwitchedCapacitors) {
@@ -92,14 +92,13 @@ TEST(Score, WhatDesignsAreComparedBy) {
   EXPECT_NEAR(score.total(), 0.05 + 0.01, 1e-15);  // two thirds of the bound are the input
   score.input = 0.25;
   EXPECT_NEAR(score.total(), 0.06 + 0.005, 1e-15);
-  EXPECT_NEAR(score.wanted_input(3.0), 1.0 / 3.0, 1e-15);
-  EXPECT_NEAR(score.wanted_input(1.5), 0.5, 1e-15);
-  score.bound = 3.0;
-  EXPECT_NEAR(score.wanted_input(1.0), 2.0 / 3.0, 1e-15);
+  EXPECT_NEAR(score.wanted_input(), 1.0 / 3.0, 1e-15);  // 1 V
+  score.bound = 0.3;
+  EXPECT_NEAR(score.wanted_input(), 0.2, 1e-15);
   score = {.designed = 0.01, .p95 = 0.018, .noise = 0.024, .input = 0.25, .bound = 0.75, .image = 0.0};
-  EXPECT_NEAR(score.missing(3.0), 1.0 + 1.0 + 1.0 / 3.0, 1e-12);
+  EXPECT_NEAR(score.missing(), 1.0 + 1.0 + 1.0 / 3.0, 1e-12);
   score = {.designed = 0.005, .p95 = 0.009, .noise = 0.012, .input = 1.0 / 3.0, .bound = 0.75, .image = 0.0};
-  EXPECT_EQ(score.missing(3.0), 0.0);
+  EXPECT_EQ(score.missing(), 0.0);
   score = {.designed = 0.01, .p95 = 0.03, .noise = 0.0, .input = 1.0, .bound = 1.0, .image = 0.0};
   EXPECT_NEAR(score.rank(8, true), 0.04 * 1.08, 1e-7);
   EXPECT_NEAR(score.rank(9, true), 0.04 * 1.19, 1e-7);  // another chip

@@ -167,8 +167,8 @@ class ControllerLayout {
       last[b] = branches_.add_branch(out_.cams, prefix, branch, inputs, group_);
       if (compensators_[b] != nullptr) last[b] = add_compensator(prefix, branch, *compensators_[b], last[b]);
     }
-    const bool tables = out_.by == PolynomialBy::lookup && compensators_[1] == nullptr;
-    if (!switches_outside() && !sums_late && !tables) ++group_;
+    // A table's gain stays with the switch that reads it.
+    if (!switches_outside() && !sums_late && out_.by != PolynomialBy::lookup) ++group_;
     add_switch_and_difference(prefix, last, reference);
   }
 

@@ -289,6 +289,15 @@ TEST(Controller, TwoCompensatorsStillFitAndTooManyAreRefused) {
   EXPECT_THAT(refusal->reason, HasSubstr("expected"));
 }
 
+TEST(Controller, ATablesGainStaysOnTheChipOfTheSwitchThatReadsIt) {
+  ControllerOptions options;
+  options.polynomial = PolynomialBy::lookup;
+  const Controller controller =
+      value_or_throw(make_controller(seed_disturbance(), {&seed_plan(), nullptr}, options));
+  const ControllerVariant& v = controller.best();
+  EXPECT_EQ(v.find("DescendingGain")->chip, v.find("Branch")->chip);
+}
+
 TEST(Controller, AskedForWayIsTaken) {
   ControllerOptions options;
   options.polynomial = PolynomialBy::lookup;

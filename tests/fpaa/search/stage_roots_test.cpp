@@ -120,5 +120,27 @@ TEST(StageRoots, InitialCapacitorsMakeTheRoots) {
   }
 }
 
+/// What is subtracted from its own input is right at rest at any clock, of low and of high quality: prod(z)/prod(p).
+TEST(StageRoots, DifferencesAreRightAtRest) {
+  const double w0 = 2.0 * M_PI * 1000.0;
+  const Complex right(0.3 * w0, 1.25 * w0);
+  for (const double damping : {0.1, 0.6}) {
+    const Complex p(-damping * w0, std::sqrt(1.0 - damping * damping) * w0);
+    for (const std::int64_t divisor : {80, 800}) {
+      DesignTarget target;
+      target.master_hz = 16e6;
+      target.grid = {Hertz{0.01}.rad_s()};
+      Design design;
+      design.stages =
+          initial_stages({{p, std::conj(p)}, {right, std::conj(right)}, true, true}, 16e6 / divisor);
+      ASSERT_EQ(design.stages.size(), 2u);
+      EXPECT_EQ(design.stages[0].kind == DesignStage::Kind::second_high, damping < 0.3);
+      for (DesignStage& stage : design.stages) stage.divisor = divisor;
+      const StageFactorTable table(target);
+      EXPECT_NEAR(std::abs(DesignResponse(design, table).output(0)), std::norm(right) / std::norm(p), 1e-6);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith::fpaa

@@ -169,6 +169,17 @@ fpaa::MismatchModel read_mismatch(const CommandLine& line, fpaa::MismatchModel o
   return out;
 }
 
+void add_hold_options(CommandLine& line) {
+  line.flag("with-holds", "FPAA plans: as the board runs, which is the default");
+  line.flag("without-holds", "FPAA plans: the capacitors' exact transfer function alone");
+}
+
+bool as_it_runs(const CommandLine& line) {
+  if (line.has("with-holds") && line.has("without-holds"))
+    line.fail("--with-holds and --without-holds cannot be combined");
+  return !line.has("without-holds");
+}
+
 void add_slow_options(CommandLine& line) {
   const fpaa::SlowParts typical = fpaa::SlowParts::typical();
   line.option<double>(

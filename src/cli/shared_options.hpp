@@ -44,6 +44,10 @@ void add_mismatch_options(CommandLine& line);
 /// `otherwise`: the plan's own.
 fpaa::MismatchModel read_mismatch(const CommandLine& line, fpaa::MismatchModel otherwise);
 
+/// --with-holds and --without-holds, of what reads plans.
+void add_hold_options(CommandLine& line);
+bool as_it_runs(const CommandLine& line);
+
 /// --opamp-bandwidth-hz and --opamp-gain.
 void add_slow_options(CommandLine& line);
 fpaa::SlowParts read_slow_parts(const CommandLine& line);

@@ -49,13 +49,6 @@ const TimeRecord& need_record(const Exportable& from, const Writer& writer) {
   return *from.record;
 }
 
-bool is_model(const Exportable& from) {
-  return !from.chain.empty();
-}
-bool is_plan(const Exportable& from) {
-  return from.network.has_value();
-}
-
 std::string identifier(std::string_view text) {
   std::string out;
   for (const char c : text) {

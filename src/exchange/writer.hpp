@@ -23,32 +23,12 @@ struct ChainBlock {
   double delay_s = 0.0;
 };
 
-/// A block of a board, sampled at its own clock: sum over inputs of numerator(z)/denominator(z) times what feeds it, in ascending
-/// powers of 1/z; z = exp(j w / clock).
-struct SampledBlock {
-  struct Input {
-    std::string from;  ///< name of a block; empty: the network's input
-    std::vector<double> numerator;
-  };
-  std::string name;
-  double clock_hz = 0.0;
-  std::vector<Input> inputs;
-  std::vector<double> denominator;
-};
-
-/// Sampled blocks in an order in which each stands behind those that feed it.
-struct SampledNetwork {
-  std::vector<SampledBlock> blocks;
-  std::string output;  ///< name of the block that is the output
-};
-
 /// What can be written for other programs: whatever the source has of these.
 struct Exportable {
   std::string source;  ///< the file, as messages and comments name it
   std::string name;    ///< of variables and functions: letters, digits and underscores
   std::optional<Sections> sections;
-  std::vector<ChainBlock> chain;              ///< of a linear model
-  std::optional<SampledNetwork> network;      ///< of a board's plan, without holds and delays
+  std::vector<ChainBlock> chain;              ///< of a linear model, or of a board as one
   std::optional<schematic::Netlist> circuit;  ///< of a circuit.json, driven at node "in"
   Band circuit_band;                          ///< to be looked at
   std::optional<FrequencyRecord> response;
@@ -78,6 +58,8 @@ class Writer {
   std::string_view name() const { return name_; }
   std::string_view endings() const { return endings_; }
   std::string_view what() const { return what_; }
+  /// Whether Exportable::chain is of use to it.
+  virtual bool rebuilds_chains() const { return false; }
   /// InputError when the source lacks what the format holds.
   virtual Written write(const Exportable& from, const ExportOptions& options) const = 0;
 
@@ -94,10 +76,6 @@ const Sections& need_sections(const Exportable& from, const Writer& writer);
 const schematic::Netlist& need_circuit(const Exportable& from, const Writer& writer);
 const FrequencyRecord& need_response(const Exportable& from, const Writer& writer);
 const TimeRecord& need_record(const Exportable& from, const Writer& writer);
-
-/// Whether a script can rebuild the source as a model or as a plan, and not as sections.
-bool is_model(const Exportable& from);
-bool is_plan(const Exportable& from);
 
 /// Letters, digits and underscores of a text; begins with a letter.
 std::string identifier(std::string_view text);

@@ -366,18 +366,11 @@ TEST(Export, NgspiceFollowsTheSource) {
   }
 }
 
-/// A model of one block and a board of two, as scripts rebuild them.
+/// A model of one block, as scripts rebuild it.
 Exportable with_chain() {
   Exportable out = designed();
   out.source = "model.toml";
   out.chain = {{"lag", {{-2.0, 1.0, 0.0, -3.0}, {0.0, 3.0}, {1.0, 0.5}, {}, 0.25, 0.0}, 1e-3}};
-  return out;
-}
-Exportable with_board() {
-  Exportable out = designed();
-  out.source = "plan.json";
-  out.network = {
-      {{"A", 4e6, {{"", {0.5, 0.25}}}, {1.0, -0.75}}, {"B", 1e6, {{"A", {2.0}}, {"", {1.0}}}, {1.0}}}, "B"};
   return out;
 }
 
@@ -406,7 +399,6 @@ TEST(Export, EveryFormatIsTheTextThatWasKept) {
   add("a.inc", record, options);
   add("a.py", late, {});
   add("a.py", with_chain(), {});
-  add("a.py", with_board(), {});
   Exportable flat = designed();
   flat.sections->sections.clear();
   add("a.m", flat, {});

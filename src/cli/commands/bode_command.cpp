@@ -13,6 +13,7 @@
 #include "cli/commands.hpp"
 #include "cli/modes/bode_loop.hpp"
 #include "cli/response_source.hpp"
+#include "cli/shared_options.hpp"
 #include "report/plot.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
@@ -174,8 +175,7 @@ void declare_bode(CommandLine& line) {
   line.positional("FILE...", 1, -1);
   line.band("lowest frequency", "highest frequency");
   line.option<int>("count", "number of frequencies, evenly spaced in log frequency", 200);
-  line.flag("with-holds", "FPAA plans: as the board runs, which is the default");
-  line.flag("without-holds", "FPAA plans: the capacitors' exact transfer function alone");
+  add_hold_options(line);
   line.option<std::string>("subcircuit", "of a .sub file: its name", "");
   line.option<std::string>("svg", "also draw the Bode plot into this file");
   line.output("table (CSV); without it the table goes to stdout", true);
@@ -230,9 +230,7 @@ int run_bode(const std::vector<std::string>& arguments) {
 
   Provenance from;
   std::vector<ResponseSource> sources;
-  if (line.has("with-holds") && line.has("without-holds"))
-    line.fail("--with-holds and --without-holds cannot be combined");
-  const ResponseOptions options{!line.has("without-holds"), line.get<std::string>("subcircuit")};
+  const ResponseOptions options{as_it_runs(line), line.get<std::string>("subcircuit")};
   for (const std::string& file : line.files()) sources.push_back(load_response(file, options, from));
   if (line.has("series")) {
     if (sources.size() < 2) line.fail("--series is the product of several files");

@@ -13,8 +13,10 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/response_source.hpp"
+#include "cli/shared_options.hpp"
 #include "exchange/writer.hpp"
-#include "fpaa/plan/plan_graph.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "project/output/plan_model.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
@@ -43,52 +45,24 @@ std::optional<FrequencyRecord> measured_response(const std::filesystem::path& pa
   return out;
 }
 
-/// The blocks of a model.toml, for scripts. Of a block that is itself an approximation (a fractional term), what its engine runs.
-void add_chain(const Node& node, exchange::Exportable& out) {
-  const chain::Chain chain = chain::model_from_node(node);
-  const auto linear = [](const chain::Block& block) {
-    return std::holds_alternative<chain::LinearKernel>(block.kernel());
-  };
-  if (!std::ranges::all_of(chain.blocks, linear)) return;
-  for (const chain::Block& block : chain.blocks) {
-    const auto kernel = std::get<chain::LinearKernel>(block.kernel());
-    out.chain.push_back({block.type_name(), kernel, kernel.delay_s});
-  }
-  for (std::size_t i = 0; i < out.response->frequency.size(); ++i) {
-    const Complex s(0.0, out.response->frequency[i].rad_s().value);
-    Complex h = 1.0;
-    for (const chain::Block& block : chain.blocks)
-      h *= chain::response(std::get<chain::LinearKernel>(block.kernel()), s);
-    out.response->response[i] = h;
-  }
-}
-
-/// The CAMs of a plan.json and what feeds them.
-void add_network(const Node& node, exchange::Exportable& out) {
-  const fpaa::Plan plan = fpaa::Plan::from_node(node);
-  const fpaa::PlanGraph graph = value_or_throw(fpaa::plan_graph(plan));
-  if (!graph.output.node) return;
-  exchange::SampledNetwork network;
-  for (const std::size_t i : graph.order) {
-    const fpaa::PlanGraph::PlanNode& cam = graph.nodes[i];
-    exchange::SampledBlock block{cam.name, cam.cam->clock_a.value, {}, cam.cam->z.denominator};
-    for (const fpaa::PlanGraph::Input& input : cam.inputs) {
-      block.inputs.push_back({input.from.node ? graph.nodes[*input.from.node].name : std::string(),
-                              cam.cam->z.numerators[input.number - 1]});
-    }
-    network.blocks.push_back(std::move(block));
-  }
-  network.output = graph.nodes[*graph.output.node].name;
-  out.network = std::move(network);
-}
-
-/// What a script rebuilds of a model or a plan.
-void add_system(const std::string& file, exchange::Exportable& out) {
+/// The blocks of a model.toml, or of a plan.json as a model, for scripts. Of a block that is itself an approximation (a fractional term),
+/// what its engine runs.
+void add_chain(const std::string& file, exchange::Exportable& out) {
   Provenance again;
   const Node node = read_document(file, again);
   const std::string schema = node.string_or("schema", "");
-  if (schema == "bodesmith.model/1") add_chain(node, out);
-  if (schema == "bodesmith.fpaa_plan/1") add_network(node, out);
+  std::vector<chain::Block> blocks;
+  if (schema == "bodesmith.model/1") blocks = chain::model_from_node(node).blocks;
+  if (schema == "bodesmith.fpaa_plan/1") blocks = project::plan_model(fpaa::Plan::from_node(node)).blocks;
+  for (const chain::Block& block : blocks) {
+    const chain::Kernel kernel = block.kernel();
+    const auto* linear = std::get_if<chain::LinearKernel>(&kernel);
+    if (linear == nullptr) {
+      out.chain.clear();
+      return;
+    }
+    out.chain.push_back({block.type_name(), *linear, linear->delay_s});
+  }
 }
 
 /// A circuit.json: its parts as they are mounted, and their response with ideal op-amps.
@@ -116,12 +90,13 @@ bool is_circuit(const std::string& file) {
   return node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.circuit/1";
 }
 
-exchange::Exportable load_exportable(const CommandLine& line, const std::string& file, Provenance& from) {
+exchange::Exportable load_exportable(const CommandLine& line, const std::string& file,
+                                     const exchange::Writer& writer, Provenance& from) {
   if (is_circuit(file)) return load_circuit(line, file, from);
   exchange::Exportable out;
   out.source = file;
   if (is_design(file)) {
-    const ResponseSource source = load_response(file, {line.has("with-holds"), ""}, from);
+    const ResponseSource source = load_response(file, {as_it_runs(line), ""}, from);
     out.sections = source.sections;
     FrequencyRecord record;
     record.file = file;
@@ -129,7 +104,11 @@ exchange::Exportable load_exportable(const CommandLine& line, const std::string&
     record.response = source.response(record.frequency);
     out.response = std::move(record);
     out.name = exchange::identifier(source.stem);
-    if (!line.has("with-holds") && is_own_document(file)) add_system(file, out);
+    if (writer.rebuilds_chains() && is_own_document(file)) {
+      if (!as_it_runs(line))
+        line.fail("--without-holds is for responses; what is rebuilt of a plan is the board as it runs");
+      add_chain(file, out);
+    }
     return out;
   }
   for (const char* option : {"from-hz", "to-hz", "count"}) {
@@ -178,7 +157,7 @@ int run_export(const std::vector<std::string>& arguments) {
       "export", "bodesmith export sections.json --sample-hz 48000 -o filter.c",
       "Writes a design, a response or a record for other programs:\n"
       "  bodesmith export sections.json -o sections.py      (python-control; .m: Octave; .mat: MATLAB)\n"
-      "  bodesmith export plan.json -o plan.m               (plans and linear models too: .py, .m)\n"
+      "  bodesmith export plan.json -o plan.m               (plans, as they run, and linear models too: .py, .m)\n"
       "  bodesmith export plan.json -o plan.s2p             (.frd, .csv)\n"
       "  bodesmith export circuit.json -o circuit.asc       (LTspice)\n"
       "  bodesmith export drive.csv --signal u -o drive.pwl (LTspice; .inc: a source for any SPICE)\n"
@@ -190,7 +169,7 @@ int run_export(const std::vector<std::string>& arguments) {
   line.band("lowest frequency of a design's response (default: a decade below its corners)",
             "highest frequency");
   line.option<int>("count", "number of frequencies of a design's response", 200);
-  line.flag("with-holds", "FPAA plans: with every hold and half-cycle delay");
+  add_hold_options(line);
   line.option<std::string>("signal", "of a record, where one is written: u or y", "u");
   line.words("signal", {"u", "y"});
   line.option<double>("sample-hz", "sampling rate of digital biquads, or of a record without times");
@@ -210,7 +189,7 @@ int run_export(const std::vector<std::string>& arguments) {
   const exchange::Writer& writer = line.has("as") ? exchange::writers().get(line.get<std::string>("as"))
                                                   : exchange::writer_for(line.output_path().string());
   const exchange::ExportOptions options = read_export_options(line);
-  const exchange::Exportable source = load_exportable(line, line.files().front(), from);
+  const exchange::Exportable source = load_exportable(line, line.files().front(), writer, from);
   const Stopwatch watch;
   const exchange::Written written = writer.write(source, options);
   const double seconds = watch.seconds();

@@ -1,8 +1,9 @@
-// An Octave (or MATLAB) script that rebuilds sections, a linear model or an FPAA plan, with the control package where it is there, and checks itself.
-// A Python script that rebuilds sections, a linear model or an FPAA plan with python-control, and checks itself against responses computed here.
+// An Octave (or MATLAB) script that rebuilds sections, a linear model or a board, with the control package where it is there, and checks itself.
+// A Python script that rebuilds sections, a linear model or a board with python-control, and checks itself against responses computed here.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -31,14 +32,15 @@ std::string number_list(const std::vector<double>& numbers) {
   return join(out, ", ");
 }
 
-/// Every so many of the source's own points, as computed here.
+/// The blocks in series at some of the source's own points.
 Json checks_of(const Exportable& from, const ComplexText& text) {
   Json out = Json::array();
-  const FrequencyRecord& response = *from.response;
-  const std::size_t step = std::max<std::size_t>(1, response.frequency.size() / 12);
-  for (std::size_t i = 0; i < response.frequency.size(); i += step) {
-    out.push_back({{"frequency_hz", number_text(response.frequency[i].value)},
-                   {"response", text(response.response[i])}});
+  const std::vector<Hertz>& grid = from.response->frequency;
+  for (std::size_t i = 0; i < grid.size(); i += std::max<std::size_t>(1, grid.size() / 12)) {
+    const Complex s(0.0, grid[i].rad_s().value);
+    Complex h = 1.0;
+    for (const ChainBlock& block : from.chain) h *= response(block.system, s) * std::exp(-s * block.delay_s);
+    out.push_back({{"frequency_hz", number_text(grid[i].value)}, {"response", text(h)}});
   }
   return out;
 }
@@ -58,32 +60,6 @@ Json model_script_data(const Exportable& from, const ComplexText& text) {
                               {"d", number_text(block.system.d)},
                               {"delay_s", number_text(block.delay_s)}});
   }
-  return data;
-}
-
-/// {source, name, output, blocks: [{name, clock_hz, denominator, inputs: [{from, numerator}]}], checks}.
-Json plan_script_data(const Exportable& from, const ComplexText& text) {
-  const SampledNetwork& network = *from.network;
-  Json data = {{"source", from.source},
-               {"name", from.name},
-               {"output", network.output},
-               {"blocks", Json::array()},
-               {"checks", checks_of(from, text)}};
-  std::vector<std::string> names = {""};
-  for (const SampledBlock& block : network.blocks) {
-    Json inputs = Json::array();
-    for (const SampledBlock::Input& input : block.inputs) {
-      const auto at = std::ranges::find(names, input.from) - names.begin();
-      inputs.push_back(
-          {{"from", input.from}, {"place", std::to_string(at)}, {"numerator", number_list(input.numerator)}});
-    }
-    data["blocks"].push_back({{"name", block.name},
-                              {"clock_hz", number_text(block.clock_hz)},
-                              {"denominator", number_list(block.denominator)},
-                              {"inputs", std::move(inputs)}});
-    names.push_back(block.name);
-  }
-  data["place"] = std::to_string(std::ranges::find(names, network.output) - names.begin());
   return data;
 }
 
@@ -116,6 +92,9 @@ Json script_data(const Exportable& from, const Sections& sections, const Complex
 
 /// Of the templates with its ending; both languages write complex numbers alike.
 class ScriptWriter : public Writer {
+ public:
+  bool rebuilds_chains() const override { return true; }
+
  protected:
   using Writer::Writer;
   Written script(const Exportable& from, const std::string& said) const {
@@ -126,8 +105,7 @@ class ScriptWriter : public Writer {
     const auto rendered = [&](const char* what, const Json& data) {
       return Written{render_template(fmt::format("exchange/{}{}", what, endings()), data), {said}};
     };
-    if (is_model(from)) return rendered("model", model_script_data(from, text));
-    if (is_plan(from)) return rendered("plan", plan_script_data(from, text));
+    if (!from.chain.empty()) return rendered("model", model_script_data(from, text));
     return rendered("sections", script_data(from, need_sections(from, *this), text));
   }
 };
@@ -136,7 +114,7 @@ class OctaveWriter : public ScriptWriter {
  public:
   OctaveWriter()
       : ScriptWriter("octave", ".m",
-                     "an Octave or MATLAB script that rebuilds sections, a linear model or an FPAA plan") {}
+                     "an Octave or MATLAB script that rebuilds sections, a linear model or a board") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     return script(from,
                   "it compares itself with responses computed here and ends with an error where they differ");
@@ -147,7 +125,7 @@ class PythonWriter : public ScriptWriter {
  public:
   PythonWriter()
       : ScriptWriter("python-control", ".py",
-                     "a script that rebuilds sections, a linear model or an FPAA plan with python-control") {}
+                     "a script that rebuilds sections, a linear model or a board with python-control") {}
   Written write(const Exportable& from, const ExportOptions&) const override {
     return script(from, "run by itself it compares python-control's system with responses computed here");
   }

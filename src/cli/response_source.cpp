@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <numbers>
 
 #include "base/documents/document.hpp"
@@ -270,10 +271,11 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
     source.band = usable(sections.corner_band());
     set_sections(source, sections);
   } else if (schema == "bodesmith.fpaa_plan/1") {
-    const fpaa::Plan plan = fpaa::Plan::from_node(node);
-    source.band = usable(plan.error.band);
-    set_evaluation(source, at_each([plan, runs = options.as_it_runs](RadPerSecond w) {
-                     return fpaa::plan_response(plan, w, runs);
+    const auto plan = std::make_shared<const fpaa::Plan>(fpaa::Plan::from_node(node));
+    const auto board = std::make_shared<const fpaa::SwitchedBoard>(*plan);
+    source.band = usable(plan->error.band);
+    set_evaluation(source, at_each([plan, board, runs = options.as_it_runs](RadPerSecond w) {
+                     return runs ? board->gain(w) : board->sampled(w);
                    }));
   } else if (schema == "bodesmith.circuit/1") {
     const synthesis::CircuitFile file = synthesis::CircuitFile::from_node(node);

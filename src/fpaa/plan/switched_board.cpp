@@ -99,9 +99,4 @@ std::vector<double> SwitchedBoard::noise_density(RadPerSecond w) const {
   return out;
 }
 
-Complex plan_response(const Plan& plan, RadPerSecond w, bool with_delays) {
-  const SwitchedBoard board(plan);
-  return with_delays ? board.gain(w) : board.sampled(w);
-}
-
 }  // namespace bodesmith::fpaa

@@ -59,8 +59,4 @@ class SwitchedBoard {
   std::vector<SwitchedNetwork> counted_;  ///< likewise, at the plan's capacitors
 };
 
-/// What the board does to a sine of frequency w at that same frequency: as its switches make it (SwitchedBoard, which
-/// is quicker for many frequencies), or, not `with_delays`, the product of its z-transfers alone.
-Complex plan_response(const Plan& plan, RadPerSecond w, bool with_delays);
-
 }  // namespace bodesmith::fpaa

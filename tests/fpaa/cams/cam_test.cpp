@@ -121,7 +121,7 @@ TEST(FilterBiquad, ComplexSectionsGoOnTheBoard) {
   EXPECT_EQ(plan.cams()[0]->resources.opamps, 2);
   // Half a period of the clock is in 1/z of the low pass: the error falls with the clock.
   EXPECT_LT(plan.error.max_complex_percent, 8.0);
-  const double dc = plan_response(plan, {0.0}, false).real();
+  const double dc = SwitchedBoard(plan).sampled({0.0}).real();
   EXPECT_NEAR(dc, 0.5, 0.02);
 
   sections.sections[0].zeros = {-100.0};

@@ -45,7 +45,8 @@ synthesis::Circuit with_values(synthesis::Circuit out, const faults::Finding& fi
   return out;
 }
 
-/// The part that rework solders across another, of a preferred value; drawn next to that one.
+/// The part that rework solders across another, of a preferred value; written next to that one, in its group. (A library does not ask
+/// which parts a stage counts as its own.)
 synthesis::Circuit with_part_across(synthesis::Circuit out, const faults::Rework::Across& across) {
   Part more = out.parts[across.part];
   const bool resistor = more.kind == Part::Kind::resistor;
@@ -54,11 +55,6 @@ synthesis::Circuit with_part_across(synthesis::Circuit out, const faults::Rework
   more.realised = synthesis::Series::named(more.series).nearest(across.value);
   more.role = "across " + more.name;
   more.name = (resistor ? "Rx_" : "Cx_") + more.name;
-  for (synthesis::Stage& stage : out.stages) {
-    if (stage.first_part > across.part) ++stage.first_part;
-    if (stage.first_part <= across.part && across.part < stage.first_part + stage.part_count)
-      ++stage.part_count;
-  }
   out.parts.insert(out.parts.begin() + static_cast<std::ptrdiff_t>(across.part) + 1, std::move(more));
   return out;
 }

@@ -82,7 +82,6 @@ ControllerBranches::ControllerBranches(ControllerVariant& variant, const Disturb
     : out_(variant),
       disturbance_(disturbance),
       options_(options),
-      board_(board_by_name(options.board)),
       range_(drive_range(disturbance, compensators)) {
   for (const Direction branch : kBranches) {
     Side& made = sides_[branch_index(branch)];
@@ -136,7 +135,7 @@ ControllerCam ControllerBranches::cam(const std::string& name, const Cam& cam,
   out.clock_a = options_.fast_clock;
   out.delay_cycles = cam.facts().delay_cycles;
   // A CAM whose resources are not publicly known gets a CAB of its own.
-  const Resources whole_cab{board_.per_cab.opamps, board_.per_cab.capacitors, 1, 0, 0};
+  const Resources whole_cab{kOpAmps, kCapacitors, 1, 0, 0};
   out.resources = cam.resources(inputs.size()).value_or(whole_cab);
   out.inputs = std::move(inputs);
   return out;

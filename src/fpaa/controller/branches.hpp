@@ -71,7 +71,6 @@ class ControllerBranches {
   ControllerVariant& out_;
   const Disturbance& disturbance_;
   const ControllerOptions& options_;
-  const Board& board_;
   DriveRange range_;
   std::array<Side, 2> sides_;  ///< of kBranches
   double output_weight_ = 1.0;

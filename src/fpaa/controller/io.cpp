@@ -31,11 +31,11 @@ void check_controller_io(ControllerVariant& variant) {
   for (const ChipSignals& chip : chip_signals(wired_cams(variant), leaving(variant), board))
     variant.io_cells.push_back(chip.pins());
   for (std::size_t chip = 0; chip < variant.io_cells.size(); ++chip) {
-    if (variant.io_cells[chip] <= board.io_cells_per_chip) continue;
+    if (variant.io_cells[chip] <= kIoCells) continue;
     throw DesignError(fmt::format(
         "chip {} needs {} I/O cells and has {}; expected fewer signals from outside (the polynomial by "
         "look-up needs only x), or a compensator of fewer sections so that a branch stays on one chip",
-        chip + 1, variant.io_cells[chip], board.io_cells_per_chip));
+        chip + 1, variant.io_cells[chip], kIoCells));
   }
   for (const ControllerCam& cam : variant.cams) {
     const int ratio = cam.cam->facts().clock_b_ratio;
@@ -47,9 +47,9 @@ void check_controller_io(ControllerVariant& variant) {
         rounded_text(board.master_clock.value / ratio)));
   }
   for (const ChipPlan& chip : controller_plan(variant).chips) {
-    if (chip.clocks.clocks.size() <= kClocksOfChip) continue;
+    if (chip.clocks.clocks.size() <= kClocks) continue;
     throw DesignError(fmt::format("chip {} needs {} clocks and has {}; expected compensators of fewer clocks",
-                                  chip.chip, chip.clocks.clocks.size(), kClocksOfChip));
+                                  chip.chip, chip.clocks.clocks.size(), kClocks));
   }
 }
 

@@ -27,7 +27,6 @@ const Board& an231k04_quad4() {
     b.name = "an231k04-quad4";
     b.chip = "AN231E04";
     b.chips = 4;
-    b.per_cab = {.opamps = 2, .capacitors = 8, .comparators = 1, .sars = 1, .lookup_tables = 0};
     return b;
   }();
   return board;

@@ -21,7 +21,13 @@ struct Resources {
   bool fits_in(const Resources& available) const;
 };
 
-// Of every chip of this family.
+// Of every chip of this family. A CAM never straddles CABs.
+inline constexpr int kCabs = 4;
+inline constexpr int kOpAmps = 2;      ///< of a CAB
+inline constexpr int kCapacitors = 8;  ///< of a CAB
+inline constexpr Resources kPerCab{.opamps = kOpAmps, .capacitors = kCapacitors, .comparators = 1, .sars = 1};
+inline constexpr int kIoCells = 7;
+inline constexpr int kClocks = 6;
 /// Units of a capacitor: its number is one byte.
 inline constexpr int kMostUnits = 255;
 /// Signals are differential and clip at +- this; converters take as much.
@@ -34,10 +40,6 @@ struct Board {
   std::string name;
   std::string chip;  ///< type of the FPAA
   int chips = 1;
-  int cabs_per_chip = 4;
-  Resources per_cab;               ///< a CAM never straddles CABs
-  int lookup_tables_per_chip = 1;  ///< 256 bytes
-  int io_cells_per_chip = 7;
   Hertz master_clock{16e6};
   Hertz settling_product{19.68e6};  ///< (1 + gain) * fc of a gain stage may not exceed this
 };

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "fpaa/device/board.hpp"
 #include "fpaa/device/circuit_node.hpp"
 #include "fpaa/device/memory_image.hpp"
 
@@ -9,11 +10,6 @@ namespace bodesmith::fpaa::an231 {
 
 // Where things stand in the memory: one place for decoder and generator. Facts: an231, part 1.
 
-inline constexpr int kCabs = 4;
-inline constexpr int kCapacitors = 8;  ///< of a CAB
-inline constexpr int kOpAmps = 2;      ///< of a CAB
-inline constexpr int kIoCells = 7;
-inline constexpr int kClocks = 6;
 inline constexpr int kLines =
     2;  ///< direct lines into a CAB, column lines of a column, local inputs of a CAB
 

@@ -37,10 +37,10 @@ LegalClock make_clock(const Board& board, long total, int system) {
 
 }  // namespace
 
-Hertz ClockPlan::frequency(const Board& board, std::size_t clock) const {
+Hertz ClockPlan::frequency(Hertz master, std::size_t clock) const {
   const ChipClock& chosen = clocks.at(clock);
   const int system = chosen.system == 1 ? sys1_divisor : sys2_divisor;
-  return {board.master_clock.value / (static_cast<double>(system) * chosen.divisor)};
+  return {master.value / (static_cast<double>(system) * chosen.divisor)};
 }
 
 bool is_legal_divisor(int divisor) {

@@ -20,7 +20,6 @@ struct ChipClock {
   friend bool operator==(const ChipClock&, const ChipClock&) = default;
 };
 
-inline constexpr std::size_t kClocksOfChip = 6;
 inline constexpr int kLargestDivisor = 510;  ///< of a system clock, and of a chip clock
 
 struct ClockPlan {
@@ -28,7 +27,7 @@ struct ClockPlan {
   int sys2_divisor = 1;
   std::vector<ChipClock> clocks;  ///< Clock 0, 1, ... in use (filters use 0-3)
 
-  Hertz frequency(const Board& board, std::size_t clock) const;
+  Hertz frequency(Hertz master, std::size_t clock) const;
 };
 
 bool is_legal_divisor(int divisor);

@@ -14,24 +14,20 @@ namespace {
 /// What of a chip is taken.
 class ChipRoom {
  public:
-  explicit ChipRoom(const Board& board)
-      : board_(&board), used_(static_cast<std::size_t>(board.cabs_per_chip)) {}
-
   /// Takes a CAB (counted from 1); nothing when none has room.
   std::optional<int> take(const PlaceNeed& cam) {
-    if (tables_ + cam.resources.lookup_tables > board_->lookup_tables_per_chip) return std::nullopt;
+    if (tables_ + cam.resources.lookup_tables > 1) return std::nullopt;
     std::vector<std::int64_t> divisors = divisors_;
     if (cam.divisor && std::ranges::find(divisors, *cam.divisor) == divisors.end())
       divisors.push_back(*cam.divisor);
-    if (divisors.size() > kClocksOfChip || !common_system_divisor(divisors)) return std::nullopt;
+    if (divisors.size() > kClocks || !common_system_divisor(divisors)) return std::nullopt;
     Resources in_cab = cam.resources;
-    in_cab.lookup_tables = 0;  // the look-up table belongs to the chip, not to a CAB
+    in_cab.lookup_tables = 0;  // one table of 256 bytes belongs to the chip, not to a CAB
     Resources* best = nullptr;
     for (Resources& used : used_) {
       Resources total = used;
       total += in_cab;
-      if (total.fits_in(board_->per_cab) && (best == nullptr || used.capacitors > best->capacitors))
-        best = &used;
+      if (total.fits_in(kPerCab) && (best == nullptr || used.capacitors > best->capacitors)) best = &used;
     }
     if (best == nullptr) return std::nullopt;
     *best += in_cab;
@@ -41,8 +37,7 @@ class ChipRoom {
   }
 
  private:
-  const Board* board_;
-  std::vector<Resources> used_;  ///< of each CAB
+  std::array<Resources, kCabs> used_;  ///< of each CAB
   std::vector<std::int64_t> divisors_;
   int tables_ = 0;
 };
@@ -145,7 +140,7 @@ std::vector<Wire> wires_of(const std::vector<WiredCam>& cams, const std::vector<
 Outcome<std::vector<Place>> place(const std::vector<PlaceNeed>& cams, const Board& board) {
   std::map<int, std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < cams.size(); ++i) groups[cams[i].group].push_back(i);
-  std::vector<ChipRoom> rooms(static_cast<std::size_t>(board.chips), ChipRoom(board));
+  std::vector<ChipRoom> rooms(static_cast<std::size_t>(board.chips));
   std::vector<Place> out(cams.size());
   std::size_t present = 0;
   int placed = 0;

@@ -119,14 +119,15 @@ std::vector<std::vector<double>> numerators_from(const Node& node) {
   return out;
 }
 
-PlacedCam cam_from(const Node& node, const Board& board) {
+PlacedCam cam_from(const Node& node) {
   PlacedCam cam;
   cam.name = node.at("name").string();
   cam.cam = &cam_type_from(node.at("cam"));
   cam.option = node.string_or("option", "");
-  cam.cab = static_cast<int>(node.at("cab").integer(1, board.cabs_per_chip));
+  cam.cab = static_cast<int>(node.at("cab").integer(1, kCabs));
   cam.clock_a = {node.at("clock_a_hz").positive()};
-  cam.clock_index = node.has("chip_clock") ? static_cast<int>(node.at("chip_clock").integer(0, 5)) : 0;
+  cam.clock_index =
+      node.has("chip_clock") ? static_cast<int>(node.at("chip_clock").integer(0, kClocks - 1)) : 0;
   cam.phase = node.has("phase") ? static_cast<int>(node.at("phase").integer(1, 2)) : 1;
   if (node.has("requested")) cam.requested = CamValues::from_node(node.at("requested"));
   if (node.has("realised")) cam.realised = CamValues::from_node(node.at("realised"));
@@ -148,13 +149,13 @@ ClockPlan clocks_from(const Node& chip) {
   if (!chip.has("clock_divisors")) return out;
   const Node node = chip.at("clock_divisors");
   const auto divisor = [&](const Node& value) {
-    const int d = static_cast<int>(value.integer(1, 510));
+    const int d = static_cast<int>(value.integer(1, kLargestDivisor));
     if (!is_legal_divisor(d)) value.fail(fmt::format("is {}, expected 1 or an even number up to 510", d));
     return d;
   };
   out.sys1_divisor = divisor(node.at("sys1"));
   out.sys2_divisor = divisor(node.at("sys2"));
-  for (int k = 0; k < 6; ++k) {
+  for (int k = 0; k < kClocks; ++k) {
     const std::string key = fmt::format("clock{}", k);
     if (!node.has(key)) break;
     out.clocks.push_back(
@@ -163,7 +164,7 @@ ClockPlan clocks_from(const Node& chip) {
   return out;
 }
 
-Json chip_json(const ChipPlan& chip, const Board& board) {
+Json chip_json(const ChipPlan& chip) {
   Json out;
   out["chip"] = chip.chip;
   out["master_clock_hz"] = chip.master_clock.value;
@@ -174,7 +175,7 @@ Json chip_json(const ChipPlan& chip, const Board& board) {
   divisors["sys1"] = chip.clocks.sys1_divisor;
   divisors["sys2"] = chip.clocks.sys2_divisor;
   for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
-    clocks[fmt::format("clock{}_hz", k)] = chip.clocks.frequency(board, k).value;
+    clocks[fmt::format("clock{}_hz", k)] = chip.clocks.frequency(chip.master_clock, k).value;
     divisors[fmt::format("clock{}", k)] = {{"system", chip.clocks.clocks[k].system},
                                            {"divisor", chip.clocks.clocks[k].divisor}};
   }
@@ -194,7 +195,7 @@ ChipPlan chip_from(const Node& node, const Board& board) {
   out.chip = static_cast<int>(node.at("chip").integer(1, board.chips));
   out.master_clock = {node.at("master_clock_hz").positive()};
   out.clocks = clocks_from(node);
-  for (const Node& cam : node.at("cams").items()) out.cams.push_back(cam_from(cam, board));
+  for (const Node& cam : node.at("cams").items()) out.cams.push_back(cam_from(cam));
   if (node.has("pins")) {
     for (const auto& [pin, cell] : node.at("pins").members()) out.pins[pin] = cell.string();
   }
@@ -256,9 +257,8 @@ Json PlanError::to_json() const {
 Json Plan::to_json() const {
   Json out;
   out["board"] = board;
-  const Board& facts = board_by_name(board);
   out["chips"] = Json::array();
-  for (const ChipPlan& chip : chips) out["chips"].push_back(chip_json(chip, facts));
+  for (const ChipPlan& chip : chips) out["chips"].push_back(chip_json(chip));
   out["wires"] = wires_json(wires);
   out["signal_path"] = signal_path();
   out["error"] = error.to_json();

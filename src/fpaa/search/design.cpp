@@ -66,9 +66,9 @@ Outcome<Plan> plan_of_design(const Design& design, const Board& board) {
   int chip = 0;
   for (const ChipSignals& signals : chip_signals(cams, leaving, board)) {
     ++chip;
-    if (signals.pins() <= board.io_cells_per_chip) continue;
+    if (signals.pins() <= kIoCells) continue;
     return Refusal{fmt::format("chip {} would need {} pins, it has {}; expected fewer poles (a lower order)",
-                               chip, signals.pins(), board.io_cells_per_chip)};
+                               chip, signals.pins(), kIoCells)};
   }
   return assembled(cams, leaving, board, true);
 }

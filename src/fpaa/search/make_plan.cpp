@@ -160,7 +160,7 @@ std::optional<Refusal> not_a_response(const Sections& sections, Band band, const
 std::optional<Refusal> too_many_poles(const Sections& sections, const Board& board) {
   std::size_t poles = 0;
   for (const Section& section : sections.sections) poles += section.poles.size();
-  const auto per_chip = static_cast<std::size_t>(board.cabs_per_chip * board.per_cab.opamps);
+  constexpr std::size_t per_chip = kCabs * kOpAmps;
   const std::size_t opamps = static_cast<std::size_t>(board.chips) * per_chip;
   if (poles <= opamps) return std::nullopt;
   return Refusal{fmt::format(

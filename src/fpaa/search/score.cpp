@@ -12,7 +12,6 @@ namespace {
 /// An op-amp more has to earn this share of the error, a chip more that.
 constexpr double kOpampCost = 0.01;
 constexpr double kChipCost = 0.1;
-constexpr int kOpampsOfChip = 8;
 /// A stage that AnadigmDesigner2 cannot make has to earn this much (a tenth of a point).
 constexpr double kVendorMargin = 1e-3;
 constexpr double kOfFastest = 0.45;  ///< clock: where peaks are looked for, as plan_limits.cpp
@@ -67,7 +66,7 @@ double DesignScore::missing() const {
 }
 
 double DesignScore::rank(int opamps, bool vendor) const {
-  const int more_chips = (opamps - 1) / kOpampsOfChip;
+  const int more_chips = (opamps - 1) / (kCabs * kOpAmps);
   return snapped((total() + designed) * (1.0 + kOpampCost * opamps + kChipCost * more_chips) +
                  (vendor ? 0.0 : kVendorMargin));
 }

@@ -235,7 +235,7 @@ class ChainSearch {
   bool is_allowed(const Candidate& c) const {
     if (options_.topology == PlanOptions::Topology::bilinear) {
       const std::vector<DesignStage>& stages = c.design->stages;
-      return static_cast<int>(stages.size()) <= board_.cabs_per_chip * board_.per_cab.opamps && c.vendor &&
+      return static_cast<int>(stages.size()) <= kCabs * kOpAmps && c.vendor &&
              std::ranges::all_of(stages, [](const DesignStage& s) { return s.is_first(); });
     }
     return c.vendor || !vendor_only();

@@ -173,23 +173,22 @@ class BoardPicture {
                                   chip.clocks.sys1_divisor);
     for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
       out += fmt::format(" · Clock {} /{} = {}", k, chip.clocks.clocks[k].divisor,
-                         engineering_text(chip.clocks.frequency(board_, k).value, "Hz", 5));
+                         engineering_text(chip.clocks.frequency(chip.master_clock, k).value, "Hz", 5));
     }
     return out;
   }
 
   std::string resources_text(const ChipPlan& chip) const {
     const Resources sum = chip.resources();
-    return fmt::format("{} of {} op-amps, {} of {} capacitors", sum.opamps,
-                       board_.cabs_per_chip * board_.per_cab.opamps, sum.capacitors,
-                       board_.cabs_per_chip * board_.per_cab.capacitors);
+    return fmt::format("{} of {} op-amps, {} of {} capacitors", sum.opamps, kCabs * kOpAmps, sum.capacitors,
+                       kCabs * kCapacitors);
   }
 
   /// The CABs of a chip and the CAMs in them.
   void add_cabs(int number, const ChipPlan* chip, Json& item) {
     item["cabs"] = Json::array();
     item["cams"] = Json::array();
-    for (int cab = 1; cab <= board_.cabs_per_chip; ++cab) {
+    for (int cab = 1; cab <= kCabs; ++cab) {
       const Box box = cab_box(number, cab);
       const std::vector<PlacedCam> none;
       const std::vector<PlacedCam>& cams = chip != nullptr ? chip->cams : none;
@@ -244,8 +243,8 @@ class BoardPicture {
 
   Json cab_item(int cab, const Box& box, const Resources& used) const {
     const double right = box.x + box.width - 14 - 9 * 8;
-    Json pip_list = pips(right, box.y + 17, used.capacitors, board_.per_cab.capacitors, "capacitor");
-    for (auto& pip : pips(right - 26, box.y + 17, used.opamps, board_.per_cab.opamps, "opamp")) {
+    Json pip_list = pips(right, box.y + 17, used.capacitors, kCapacitors, "capacitor");
+    for (auto& pip : pips(right - 26, box.y + 17, used.opamps, kOpAmps, "opamp")) {
       pip_list.push_back(pip);
     }
     return {{"x", box.x},

@@ -48,7 +48,7 @@ Json cam_rows(const PlacedCam& cam, int step) {
 }
 
 /// Clocks and resources of a chip; its CAMs are numbered on from `step`.
-Json chip_rows(const ChipPlan& chip, const Board& board, int& step) {
+Json chip_rows(const ChipPlan& chip, int& step) {
   Json out;
   out["chip"] = chip.chip;
   out["master"] = rounded_text(chip.master_clock.value / 1e6) + " MHz";
@@ -61,15 +61,15 @@ Json chip_rows(const ChipPlan& chip, const Board& board, int& step) {
     out["clocks"].push_back({{"clock", k},
                              {"system", chip.clocks.clocks[k].system},
                              {"divisor", chip.clocks.clocks[k].divisor},
-                             {"frequency", in_khz(chip.clocks.frequency(board, k).value)}});
+                             {"frequency", in_khz(chip.clocks.frequency(chip.master_clock, k).value)}});
   }
   out["cams"] = Json::array();
   for (const PlacedCam& cam : chip.cams) out["cams"].push_back(cam_rows(cam, ++step));
   const Resources sum = chip.resources();
   out["opamps"] = sum.opamps;
   out["capacitors"] = sum.capacitors;
-  out["opamps_available"] = board.cabs_per_chip * board.per_cab.opamps;
-  out["capacitors_available"] = board.cabs_per_chip * board.per_cab.capacitors;
+  out["opamps_available"] = kCabs * kOpAmps;
+  out["capacitors_available"] = kCabs * kCapacitors;
   return out;
 }
 
@@ -91,12 +91,11 @@ bool has_inputs(const Plan& plan, const Wire& wire) {
 
 Json sheet_data(const Plan& plan) {
   Json data;
-  const Board& board = board_by_name(plan.board);
   data["board"] = plan.board;
-  data["chip_type"] = board.chip;
+  data["chip_type"] = board_by_name(plan.board).chip;
   data["chips"] = Json::array();
   int step = 0;
-  for (const ChipPlan& chip : plan.chips) data["chips"].push_back(chip_rows(chip, board, step));
+  for (const ChipPlan& chip : plan.chips) data["chips"].push_back(chip_rows(chip, step));
   data["wires"] = Json::array();
   for (const Wire& wire : plan.wires) {
     data["wires"].push_back({{"from", wire.from},

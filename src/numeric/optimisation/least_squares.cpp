@@ -250,15 +250,11 @@ Termination LevenbergMarquardt::iterate() {
   return Termination::max_iterations;
 }
 
-/// Uncertainty and conditioning from the last Jacobian; unknowns that rest at a bound or change nothing do
-/// not count for the latter.
+/// Uncertainty, from the last Jacobian.
 void LevenbergMarquardt::judge_uncertainty() {
   const VectorXd length = jacobian_.colwise().norm();
   MatrixXd scaled = jacobian_;
-  std::vector<Index> counted;
   for (Index j = 0; j < p_; ++j) {
-    const bool at_bound = result_.values(j) <= unknown(j).min || result_.values(j) >= unknown(j).max;
-    if (!at_bound && length(j) > 1e-12 * length.maxCoeff()) counted.push_back(j);
     if (length(j) > 0.0) scaled.col(j) /= length(j);
   }
   const MatrixXd correlation = gram(scaled);

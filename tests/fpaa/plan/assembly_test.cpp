@@ -28,15 +28,13 @@ std::vector<int> chips_of(const std::vector<Place>& places) {
 TEST(Place, NoCabHoldsMoreThanItHas) {
   std::vector<PlaceNeed> needs;
   add(needs, 20, 0);
-  const Board& board = an231k04_quad4();
   std::map<std::pair<int, int>, Resources> used;
   const std::vector<Place> places = placed(needs);
   for (std::size_t i = 0; i < places.size(); ++i) {
-    EXPECT_TRUE(places[i].cab >= 1 && places[i].cab <= board.cabs_per_chip);
+    EXPECT_TRUE(places[i].cab >= 1 && places[i].cab <= kCabs);
     used[{places[i].chip, places[i].cab}] += needs[i].resources;
   }
-  for (const auto& [where, sum] : used)
-    EXPECT_TRUE(sum.fits_in(board.per_cab)) << where.first << where.second;
+  for (const auto& [where, sum] : used) EXPECT_TRUE(sum.fits_in(kPerCab)) << where.first << where.second;
   EXPECT_EQ(used.size(), 10u);  // the fullest first
 }
 
@@ -92,14 +90,16 @@ TEST(Assembled, ClocksAreThoseOfTheCamsAndWiresJoinWhatIsRead) {
   for (const ChipPlan& chip : plan.chips) {
     for (const PlacedCam& one : chip.cams) {
       const auto k = static_cast<std::size_t>(one.clock_index);
-      EXPECT_NEAR(chip.clocks.frequency(board, k).value, one.clock_a.value, 1e-9 * one.clock_a.value)
+      EXPECT_NEAR(chip.clocks.frequency(board.master_clock, k).value, one.clock_a.value,
+                  1e-9 * one.clock_a.value)
           << one.name;
       EXPECT_TRUE(is_legal_divisor(chip.clocks.clocks[k].divisor));
     }
     // Two clocks are two (converters alone have each twice), the fastest first.
     EXPECT_EQ(chip.clocks.clocks.size(), chip.chip == 1 ? 2u : 1u);
   }
-  EXPECT_GT(plan.chips[0].clocks.frequency(board, 0), plan.chips[0].clocks.frequency(board, 1));
+  EXPECT_GT(plan.chips[0].clocks.frequency(board.master_clock, 0),
+            plan.chips[0].clocks.frequency(board.master_clock, 1));
   std::vector<std::string> wires;
   for (const Wire& wire : plan.wires)
     wires.push_back(wire.from + ">" + wire.to + "#" + std::to_string(wire.input));

@@ -67,14 +67,15 @@ void expect_legal(const Plan& plan) {
         // CA and CB of a two-op-amp stage may have two banks.
         EXPECT_LE(c.units, (c.name == "CA" || c.name == "CB" ? 2 : 1) * kMostUnits);
       }
-      EXPECT_DOUBLE_EQ(chip.clocks.frequency(board, static_cast<std::size_t>(cam.clock_index)).value,
-                       cam.clock_a.value);
+      EXPECT_DOUBLE_EQ(
+          chip.clocks.frequency(board.master_clock, static_cast<std::size_t>(cam.clock_index)).value,
+          cam.clock_a.value);
       std::vector<double> a = cam.z.denominator;
       a.resize(3, 0.0);
       EXPECT_TRUE(std::abs(a[2]) < a[0] && std::abs(a[1]) < a[0] + a[2]) << cam.name;  // Jury
     }
-    EXPECT_LE(static_cast<int>(cabs.size()), board.cabs_per_chip);
-    for (const auto& [cab, used] : cabs) EXPECT_TRUE(used.fits_in(board.per_cab)) << "CAB " << cab;
+    EXPECT_LE(static_cast<int>(cabs.size()), kCabs);
+    for (const auto& [cab, used] : cabs) EXPECT_TRUE(used.fits_in(kPerCab)) << "CAB " << cab;
   }
 }
 

@@ -31,7 +31,7 @@ std::string report_of(const Plan& plan) {
     out += row(fmt::format("System Clock 1 (sys1 = fc / {})", chip.clocks.sys1_divisor), "x");
     for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
       out += row(fmt::format("Clock {} (sys1 / {})", k, chip.clocks.clocks[k].divisor),
-                 rounded_text(chip.clocks.frequency(board, k).value / 1e3) + " kHz");
+                 rounded_text(chip.clocks.frequency(board.master_clock, k).value / 1e3) + " kHz");
     }
     out += "</table><p class=pagebreak><h1>Configurable Analog Modules: FPAA1</h1><table border=\"1\">\n";
     for (const PlacedCam& cam : chip.cams) {

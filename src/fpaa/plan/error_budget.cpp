@@ -21,7 +21,7 @@ namespace {
 constexpr int kPoints = 200;         ///< of the band, for the response's errors
 constexpr int kMismatchPoints = 40;  ///< of the band, for boards with other capacitors
 constexpr int kNoisePoints = 60;     ///< of the band
-constexpr int kNodePoints = 300;     ///< from 0 to half the fastest clock
+constexpr int kNodePoints = 300;     ///< up to kOfFastest
 constexpr int kNoiseCost = 10;       ///< of a noise density, in gains
 constexpr std::size_t kNamedCapacitors = 8;
 
@@ -86,8 +86,8 @@ void add_nodes_and_noise(const Plan& plan, const SwitchedBoard& board, Band band
   const int points = affordable(kNodePoints, noisy.pieces(), kNoiseCost);
   const std::vector<double> in_band = band_noise_of(noisy, band);
   const std::vector<double> whole = integrated_noise(noisy, whole_noise_grid(plan, band, points));
-  for (const auto& nodes :
-       nodes_over(board, log_grid({{0.1 * band.from.value}, {0.45 * *plan.clocks_hz().rbegin()}}, points))) {
+  for (const auto& nodes : nodes_over(
+           board, log_grid({{0.1 * band.from.value}, {kOfFastest * *plan.clocks_hz().rbegin()}}, points))) {
     for (std::size_t c = 0; c < shares.size(); ++c) {
       for (const auto& node : nodes[c])
         shares[c].peak_node_gain = std::max(shares[c].peak_node_gain, node.largest);

@@ -64,6 +64,9 @@ struct PlanError : ResponseDifference {
   Json to_json() const;
 };
 
+/// Frequencies of the band at which a response is held against what was asked for.
+inline constexpr int kStatedPoints = 801;
+
 /// What 95 % of boards keep of a sine of `at_input_v` at the pin (the largest that clips no node), and its parts, in
 /// percent of the response that was asked for (noise: of the sine at the output). Random parts add by squares.
 struct PlanTotal {

@@ -78,7 +78,7 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band) {
   const int points =
       std::clamp(static_cast<int>(kInstants / static_cast<double>(switched.instants())), 60, kPoints);
   const std::vector<Hertz> grid =
-      log_grid({{0.01 * band.from.value}, {0.45 * switched.fastest_clock().value}}, points);
+      log_grid({{0.01 * band.from.value}, {kOfFastest * switched.fastest_clock().value}}, points);
   std::vector<std::vector<Complex>> gains;  // [op-amp][frequency]
   double sine = 1.0;                        // the input itself
   for (const auto& nodes : nodes_over(switched, grid)) {
@@ -98,14 +98,13 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band) {
 }
 
 ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
-  constexpr std::size_t kSignals = 16;
   constexpr double kPieces = 1e6;  // of waveforms and their lines
   constexpr int kBeatMultiples = 3;
   constexpr double kAroundClock[] = {-0.3, 0.3};
   const std::set<double> all = plan.clocks_hz();
   const std::vector<double> clocks(all.begin(), all.end());
-  const double cost = static_cast<double>(board.pieces() * clocks.size() * kSignals);
-  std::vector<Hertz> signals = log_grid(band, cost > kPieces ? kSignals / 2 : kSignals);
+  const double cost = static_cast<double>(board.pieces() * clocks.size() * kImageSines);
+  std::vector<Hertz> signals = log_grid(band, cost > kPieces ? kImageSines / 2 : kImageSines);
   const std::size_t spread = signals.size();
   for (const Hertz f : near_clocks(clocked_poles(plan), band, kAroundClock, kBeatMultiples)) {
     signals.push_back(f);

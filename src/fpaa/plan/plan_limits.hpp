@@ -8,9 +8,14 @@
 
 namespace bodesmith::fpaa {
 
+/// Nodes are looked at up to this share of the fastest clock.
+inline constexpr double kOfFastest = 0.45;
+/// Sines, spread evenly over a band's decades, whose images count.
+inline constexpr int kImageSines = 16;
+
 /// Inputs at which the first node of the board, op-amps inside a CAM among them, reaches full scale.
 struct Headroom {
-  double sine_v = 0.0;  ///< amplitude, any frequency up to half the fastest clock
+  double sine_v = 0.0;  ///< amplitude, any frequency up to kOfFastest
   double step_v = 0.0;  ///< height
 };
 

@@ -18,8 +18,7 @@
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr int kStatedPoints = 801;  ///< of the errors that the plan states
-/// And near the multiples of clocks within the band, in widths of the poles that are sampled there.
+/// Frequencies near the multiples of clocks within the band, in widths of the poles that are sampled there.
 constexpr double kAroundClocks[] = {-30.0, -10.0, -5.0, -3.0, -2.0, -1.4, -1.0, -0.7, -0.5, -0.3, -0.1,
                                     0.1,   0.3,   0.5,  0.7,  1.0,  1.4,  2.0,  3.0,  5.0,  10.0, 30.0};
 constexpr int kStatedMultiples = 100;
@@ -80,9 +79,7 @@ std::vector<std::string> assumptions_of(const Plan& plan) {
   return out;
 }
 
-/// What a board does to a response that hardly deserves the name; errors below this share of the peak (deep in
-/// a stop band) do not count.
-constexpr double kHopeless = kUselessShare;
+/// Errors below this share of the peak (deep in a stop band) do not count.
 constexpr double kHopelessFloor = 1e-2;
 
 bool is_hopeless(const SwitchedBoard& board, const Sections& sections, Band band) {
@@ -92,7 +89,7 @@ bool is_hopeless(const SwitchedBoard& board, const Sections& sections, Band band
   return std::ranges::any_of(grid, [&](Hertz f) {
     const Complex wanted = sections.response(f.rad_s());
     const double size = std::max(error_reference(sections, f.rad_s()), kHopelessFloor * peak);
-    return !(std::abs(board.gain(f.rad_s()) - wanted) < kHopeless * size);
+    return !(std::abs(board.gain(f.rad_s()) - wanted) < kUselessShare * size);
   });
 }
 

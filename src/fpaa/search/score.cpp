@@ -14,7 +14,6 @@ constexpr double kOpampCost = 0.01;
 constexpr double kChipCost = 0.1;
 /// A stage that AnadigmDesigner2 cannot make has to earn this much (a tenth of a point).
 constexpr double kVendorMargin = 1e-3;
-constexpr double kOfFastest = 0.45;  ///< clock: where peaks are looked for, as plan_limits.cpp
 
 /// Mean square at the pin within the band, in kT/C_u: every switched unit brings 2 kT C of charge a period. What a slower clock folds
 /// into the band is left out: this only compares designs.

@@ -7,6 +7,7 @@
 #include "base/whole_number.hpp"
 #include "fpaa/plan/clock_features.hpp"
 #include "fpaa/plan/error_reference.hpp"
+#include "fpaa/plan/plan_limits.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 constexpr double kBeyondBand = 4.0;
 constexpr double kBeyondWeight = 0.1;
 constexpr int kBeyondPoints = 8;
-constexpr int kImageSines = 16;
 /// A zero of the wanted response on the axis: errors near it count against this share of the peak.
 constexpr double kSoftZero = 1e-5;
 

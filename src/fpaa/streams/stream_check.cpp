@@ -7,7 +7,6 @@
 namespace bodesmith::fpaa::an231 {
 namespace {
 
-constexpr int kStreamPoints = 801;
 constexpr std::size_t kMostDifferences = 40;
 
 }  // namespace
@@ -15,7 +14,7 @@ constexpr std::size_t kMostDifferences = 40;
 PlanError stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
                        const WantedResponse& wanted_response) {
   const PeriodicNetworks networks = pin_networks(board, pins.input, pins.output);
-  const std::vector<Hertz> grid = log_grid(band, kStreamPoints);
+  const std::vector<Hertz> grid = log_grid(band, kStatedPoints);
   std::vector<Complex> got;
   std::vector<Complex> wanted;
   for (const Hertz f : grid) {

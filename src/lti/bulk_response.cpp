@@ -231,29 +231,16 @@ double steepest_turn(const Sections& sections) {
   return sum;
 }
 
-/// The phase of sections on a coarse grid may turn by any angle between two frequencies; where it cannot by half a turn, the angles
-/// tell it.
-void follow_turns(std::vector<double>& phase_deg, const Sections& sections, const std::vector<Hertz>& grid) {
-  const double coarse = 1.0 + 0.95 * std::numbers::pi / steepest_turn(sections);
+/// Takes out the jumps between one frequency and the next, i - 1 and i, of more than half a turn besides `turn(i)`, degrees. Each is told
+/// from the angles as they come: a step behind the turns so far would have to wait for the one before it.
+template <typename Turn>
+void follow_turns(std::vector<double>& phase_deg, const Turn& turn) {
   double turns = 0.0, last = phase_deg.empty() ? 0.0 : phase_deg[0];
   for (std::size_t i = 1; i < phase_deg.size(); ++i) {
-    double step = phase_deg[i] - last;
-    if (!(grid[i].value < coarse * grid[i - 1].value) || grid[i] < grid[i - 1])
-      step -= turn_deg(sections, grid[i - 1].rad_s(), grid[i].rad_s());
+    const double step = phase_deg[i] - last - turn(i);
     if (std::abs(step) > 180.0) turns -= 360.0 * std::round(step / 360.0);
     last = phase_deg[i];
     phase_deg[i] += turns;
-  }
-}
-
-/// Each step is told from the angles as they come: a step behind the turns so far would have to wait for the one before it.
-void follow_turns(std::vector<double>& phase_deg) {
-  double turns = 0.0, last = phase_deg.empty() ? 0.0 : phase_deg[0];
-  for (double& phase : phase_deg) {
-    const double step = phase - last;
-    if (std::abs(step) > 180.0) turns -= 360.0 * std::round(step / 360.0);
-    last = phase;
-    phase += turns;
   }
 }
 
@@ -282,14 +269,19 @@ double group_delay_s(const std::function<Complex(Hertz)>& response, Hertz f) {
 LevelAndPhase level_and_phase(std::span<const Complex> response) {
   LevelAndPhase out = of_length(response.size());
   if (!response.empty()) put(response, 0, out);
-  follow_turns(out.phase_deg);
+  follow_turns(out.phase_deg, [](std::size_t) { return 0.0; });
   return out;
 }
 
 LevelAndPhase level_and_phase(const Sections& sections, const std::vector<Hertz>& grid) {
   LevelAndPhase out = of_length(grid.size());
   for_pieces(sections, grid, [&out](std::size_t begin, std::span<const Complex> h) { put(h, begin, out); });
-  follow_turns(out.phase_deg, sections, grid);
+  // On a coarse grid the phase may turn by any angle between two frequencies; where it cannot by half a turn, the angles tell it.
+  const double coarse = 1.0 + 0.95 * std::numbers::pi / steepest_turn(sections);
+  follow_turns(out.phase_deg, [&](std::size_t i) {
+    const bool near = grid[i].value < coarse * grid[i - 1].value && !(grid[i] < grid[i - 1]);
+    return near ? 0.0 : turn_deg(sections, grid[i - 1].rad_s(), grid[i].rad_s());
+  });
   return out;
 }
 

@@ -148,6 +148,11 @@ tolerance::Spread read_spread(const CommandLine& line, const tolerance::Design& 
   s.temperature_high_c = line.get<double>("temperature-high-c");
   s.resistor_ppm_per_k = line.get<double>("resistor-ppm");
   s.capacitor_ppm_per_k = line.get<double>("capacitor-ppm");
+  for (const char* option : {"resistor-ppm", "capacitor-ppm"}) {
+    if (line.has(option) && s.temperature_low_c == 25.0 && s.temperature_high_c == 25.0)
+      line.fail(fmt::format(
+          "--{} does nothing at 25 degrees, expected --temperature-low-c or --temperature-high-c", option));
+  }
   return s;
 }
 

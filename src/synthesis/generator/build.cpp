@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -217,8 +219,25 @@ DisturbanceCircuit Builder::build() {
 
 DisturbanceCircuit make_controller(const Disturbance& disturbance, const Options& options) {
   const Input input = Input::of(disturbance);
-  DisturbanceCircuit out =
-      Builder(input, options, static_cast<int>(disturbance.ascending.size()), disturbance).build();
+  const auto made = [&](const Options& with) {
+    return Builder(input, with, static_cast<int>(disturbance.ascending.size()), disturbance).build();
+  };
+  Options with = options;
+  std::optional<DisturbanceCircuit> found;
+  while (!found) {
+    try {
+      found = made(with);
+    } catch (const TooSteep&) {
+      constexpr double kMostPercent = 1.0;  // of range: about what a stage is off without any rate gains
+      with.rate_tolerance_percent *= 2.0;
+      if (with.rate_tolerance_percent > kMostPercent) throw;
+    }
+  }
+  DisturbanceCircuit out = std::move(*found);
+  if (with.rate_tolerance_percent > options.rate_tolerance_percent)
+    out.warnings.push_back(fmt::format(
+        "The table's gains change so steeply that no resistors make a curve within {} % of range of it: it follows within {} %",
+        rounded_text(options.rate_tolerance_percent), rounded_text(with.rate_tolerance_percent)));
   if (!disturbance.amplitude.alpha.empty() && !out.stroke)
     out.warnings.push_back("for full strokes only: the disturbance's amplitude gains are not built");
   return out;

@@ -71,9 +71,10 @@ struct Options {
   Scheme scheme;
 
   // Closed.
-  bool rates = true;                     ///< false: rate gains left out, as the constant polynomial
-  std::vector<Hertz> tracked;            ///< where the gain curve's corners are put when they fit
-  double rate_tolerance_percent = 0.03;  ///< of the curve against the table, percent of range
+  bool rates = true;           ///< false: rate gains left out, as the constant polynomial
+  std::vector<Hertz> tracked;  ///< where the gain curve's corners are put when they fit
+  /// Of the curve against the table, percent of range; doubled until resistors make its pieces.
+  double rate_tolerance_percent = 0.03;
   double averaging_s = 0.0;  ///< time constant behind the rectifier; 0: a hundredth of the shortest period
   double reference_stroke = 1.0;  ///< peak to peak of the references whose slope means frequency, V
   /// Of the references' ways between two turns the slowest, V (tracking::Reference::least_swing()): whose slope, at `lowest`, must

@@ -213,8 +213,12 @@ int GeneratorMaker::control(const GainCurve& curve, std::size_t branch, const Br
     row.push_back(wanted);
     rows.push_back(std::move(row));
   }
-  return signed_sum(from, gains, rows, fmt::format("{} control voltage, {}", curve.what, name(branch)),
-                    curve.control + letter(branch), curve.inverted + letter(branch));
+  try {
+    return signed_sum(from, gains, rows, fmt::format("{} control voltage, {}", curve.what, name(branch)),
+                      curve.control + letter(branch), curve.inverted + letter(branch));
+  } catch (const DesignError& error) {
+    throw TooSteep(fmt::format("{}: the table's gains change too steeply", error.what()));
+  }
 }
 
 std::string GeneratorMaker::vary(const GainCurve& curve, const BranchGain& gain, std::size_t branch,

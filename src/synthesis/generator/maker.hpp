@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "synthesis/parts/netlist_maker.hpp"
 
 /// What the disturbance generator is made of, open and closed on its own drive (circuit.hpp): powers and
@@ -60,6 +61,12 @@ struct Powers {
 
   std::string node(int power) const { return power == 1 ? x : "x" + std::to_string(power) + tail; }
   double level(int power, const schematic::MultiplierModel& multiplier) const;
+};
+
+/// No resistors make a gain curve's pieces: longer ones are flatter.
+class TooSteep : public DesignError {
+ public:
+  using DesignError::DesignError;
 };
 
 class GeneratorMaker : public synthesis::NetlistMaker {

@@ -128,6 +128,8 @@ TEST_F(HardInputs, AbsurdNumbersAreAnswered) {
               HasSubstr("--over-band does nothing with what is asked for here"));
   EXPECT_THAT(refusal("fpaa " + at("a.json") + " --opamp-gain 100 -o " + at("board")),
               HasSubstr("--opamp-gain does nothing"));
+  EXPECT_THAT(refusal("yield " + at("a.json") + " --resistor-ppm 50"),
+              HasSubstr("--resistor-ppm does nothing"));
   EXPECT_THAT(refusal("fpaa " + at("a.json") + " --min-clock-hz 1e9 -o " + at("board")),
               HasSubstr("at clocks of 1e+09 Hz and more"));
   EXPECT_THAT(refusal("fit " BODESMITH_SOURCE_DIR

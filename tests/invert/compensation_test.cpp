@@ -288,6 +288,13 @@ TEST(Compensation, WhatABlockCannotGiveIsSaidAndTheLowerLimitIsNamed) {
   ASSERT_EQ(limited.out_of_reach.size(), 1u);
   EXPECT_NE(limited.out_of_reach[0].why.find("lower limit"), std::string::npos);
   EXPECT_EQ(limited.samples_out_of_reach, 80u);
+  EXPECT_DOUBLE_EQ(limited.out_of_reach[0].from_s, 0.0);
+  options.limits = {};
+  options.limits.upper = -0.5;
+  const Compensation from_half = compensate({{make_block("gain")}}, reference, options);
+  ASSERT_EQ(from_half.out_of_reach.size(), 1u);
+  EXPECT_DOUBLE_EQ(from_half.out_of_reach[0].from_s, 0.051);
+  EXPECT_DOUBLE_EQ(from_half.out_of_reach[0].to_s, 0.099);
 }
 
 TEST(InverseFile, ReadsBackWhatItWroteAndSaysWhatIsWrong) {

@@ -137,6 +137,8 @@ TEST(Touchstone, WhatItTakesWithoutAChoiceAndWhatItRefuses) {
   // GHz, S, MA and 50 ohm are what an option line that says nothing means.
   EXPECT_EQ(read_bytes("# GHz S MA R\n2 0.1 0\n", "s11").columns[0][0], 2e9);
   EXPECT_NEAR(read_bytes("# GHz Z MA\n2 0.1 0\n").columns[1][0], to_decibel(5.0), 1e-12);
+  // Of two option lines the first counts.
+  EXPECT_EQ(read_bytes("# kHz S MA R 50\n2 0.1 0\n# Hz S RI R 50\n3 0.1 0\n", "s11").columns[0][0], 2e3);
   const std::string version2 = "[Version] 2.0\n# Hz S RI R 50\n[Number of Ports] ";
   for (const std::string& wrong :
        {std::string("# Hz S RI R 50\n1 1 0\n1 1 0\n"), std::string("# Hz S RI R 50\n-1 1 0\n"),

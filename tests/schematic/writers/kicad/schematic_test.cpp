@@ -122,16 +122,15 @@ TEST(KicadProject, AChainOfAnyLengthIsItsNetlist) {
   EXPECT_GT(sheets, 2);
 }
 
-/// Branches wider than the op-amp: the output stands behind the longest of them.
+/// Branches wider than the op-amp, one or two of them: the output stands behind the longest.
 TEST(KicadProject, AFeedbackOfManyPartsInARowHasRoom) {
-  for (const std::size_t row : {2U, 3U, 5U}) {
+  for (const auto& [rows, row] : {std::pair{1U, 2U}, {1U, 3U}, {1U, 5U}, {2U, 2U}, {2U, 3U}}) {
     Chain chain = chain_of(1, 1);
-    std::string at = "out";
-    for (std::size_t i = 0; i < row; ++i) {
-      const std::string next = i + 1 == row ? "n1_m" : "row" + std::to_string(i);
+    for (std::size_t i = 0; i < rows * row; ++i) {
+      const auto node = [&](std::size_t k) { return "row" + std::to_string(k); };
       chain.netlist.parts.push_back({i % 2 == 0 ? Part::Kind::resistor : Part::Kind::capacitor,
-                                     "X" + std::to_string(i), "role", 0, at, next, "E96", 1e3, 1e3});
-      at = next;
+                                     "X" + std::to_string(i), "role", 0, i % row == 0 ? "out" : node(i),
+                                     (i + 1) % row == 0 ? "n1_m" : node(i + 1), "E96", 1e3, 1e3});
     }
     const TemporaryFolder folder;
     OutputSet files(folder / "made");

@@ -85,11 +85,10 @@ int run_fpaa_gains(const std::vector<std::string>& arguments) {
   const std::string file = line.files()[0];
   const Disturbance disturbance = Disturbance::read(file, from);
   const std::vector<fpaa::GainBranch> branches = gain_branches(line, from);
-  fpaa::GainScheduleOptions options;
-  options.step_percent = line.positive("step-percent");
 
   const Stopwatch watch;
-  const fpaa::GainSchedule schedule = fpaa::make_gain_schedule(disturbance, branches, options, file);
+  const fpaa::GainSchedule schedule =
+      fpaa::make_gain_schedule(disturbance, branches, line.positive("step-percent"), file);
   Json json = timed_document("fpaa_gains", from, schedule.to_json(), watch.seconds());
   for (const fpaa::GainBranch& b : branches_to_better(schedule)) {
     note(fmt::format("{}: with a gain of {} at 1 its capacitor ratios would be within {} % instead of {} %",

@@ -15,6 +15,7 @@ namespace bodesmith::fpaa {
 namespace {
 
 constexpr std::size_t kMaxSets = 4096;
+constexpr double kBaud = 57600.0;  ///< of the board's serial line, 10 bits a byte
 /// Beyond its range a set is kept for this part of the interval to the next.
 constexpr double kKeepShare = 0.25;
 
@@ -156,7 +157,7 @@ std::vector<Hertz> gain_set_frequencies(const Disturbance& d, double step_percen
 }
 
 GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vector<GainBranch>& branches,
-                                const GainScheduleOptions& options, const std::string& file) {
+                                double step_percent, const std::string& file) {
   using enum Disturbance::Branch;
   if (disturbance.is_static(ascending) && disturbance.is_static(descending)) {
     throw DesignError(
@@ -178,21 +179,21 @@ GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vecto
   check_places(branches);
   GainSchedule out;
   out.branches = branches;
-  out.options = options;
+  out.step_percent = step_percent;
   for (const Hertz f : disturbance.rate.frequency) make_set(f, disturbance, branches, file);  // within reach?
   const std::vector<Hertz> frequencies =
-      gain_set_frequencies(disturbance, options.step_percent, static_cast<int>(kMaxSets) + 1);
+      gain_set_frequencies(disturbance, step_percent, static_cast<int>(kMaxSets) + 1);
   if (frequencies.size() > kMaxSets) {
     throw DesignError(fmt::format("{}: steps of {} % need more than {} sets, expected a larger step", file,
-                                  rounded_text(options.step_percent), kMaxSets));
+                                  rounded_text(step_percent), kMaxSets));
   }
   for (const Hertz f : frequencies) out.sets.push_back(make_set(f, disturbance, branches, file));
   set_ranges(out.sets);
   for (const GainSet& set : out.sets) {
-    out.update_s = std::max(out.update_s, 10.0 * static_cast<double>(out.packets(set).size()) / options.baud);
+    out.update_s = std::max(out.update_s, 10.0 * static_cast<double>(out.packets(set).size()) / kBaud);
   }
   state_errors(out, disturbance);
-  if (out.max_ratio_error_percent > options.step_percent / 2.0) suggest_gains(out);
+  if (out.max_ratio_error_percent > step_percent / 2.0) suggest_gains(out);
   return out;
 }
 

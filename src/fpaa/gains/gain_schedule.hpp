@@ -37,11 +37,6 @@ struct GainBranch {
   double better_at_one = 0.0, better_error_percent = 0.0;
 };
 
-struct GainScheduleOptions {
-  double step_percent = 0.2;  ///< largest step of a gain from one set to the next, of the gain
-  double baud = 57600.0;      ///< of the board's serial line, 10 bits a byte
-};
-
 /// A gain as two capacitors make it.
 struct GainCapacitors {
   double wanted = 1.0;  ///< |Cin/Cout|
@@ -60,8 +55,8 @@ struct GainSet {
 
 struct GainSchedule {
   std::vector<GainBranch> branches;
-  std::vector<GainSet> sets;  ///< frequency rising
-  GainScheduleOptions options;
+  std::vector<GainSet> sets;                ///< frequency rising
+  double step_percent = 0.0;                ///< largest step of a gain from one set to the next, of the gain
   double max_ratio_error_percent = 0.0;     ///< of the capacitor ratios, of the gain
   double max_gain_error_percent = 0.0;      ///< at any frequency of the table's range, steps included
   double max_tracking_error_percent = 0.0;  ///< that times the greatest |d| of its branch, of the stroke
@@ -79,11 +74,11 @@ inline constexpr double kGainStepPercent = 0.5;
 std::vector<Hertz> gain_set_frequencies(const Disturbance& disturbance,
                                         double step_percent = kGainStepPercent, int most = 200);
 
-/// A set at each of these frequencies. Capacitors: the ratio of 1 to 255
+/// Sets between which no gain steps by more than `step_percent` of itself. Capacitors: the ratio of 1 to 255
 /// units nearest the gain; among equals the largest, whose mismatch is the least. Throws DesignError when there
 /// is nothing to schedule, a gain is out of reach, or two branches want one capacitor.
 GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vector<GainBranch>& branches,
-                                const GainScheduleOptions& options, const std::string& file);
+                                double step_percent, const std::string& file);
 
 /// A host's loop with the table in it: C (POSIX, nothing else needed) and Python (standard library).
 std::string gain_host_c(const GainSchedule& schedule, const std::string& file);

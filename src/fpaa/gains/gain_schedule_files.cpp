@@ -45,7 +45,7 @@ Json host_data(const GainSchedule& schedule, const std::string& file) {
   }
   data["from"] = rounded_text(schedule.sets.front().frequency.value);
   data["to"] = rounded_text(schedule.sets.back().frequency.value);
-  data["step"] = rounded_text(schedule.options.step_percent, 3);
+  data["step"] = rounded_text(schedule.step_percent, 3);
   data["ratio_error"] = rounded_text(schedule.max_ratio_error_percent, 2);
   data["gain_error"] = rounded_text(schedule.max_gain_error_percent, 2);
   data["tracking_error"] = rounded_text(schedule.max_tracking_error_percent, 2);

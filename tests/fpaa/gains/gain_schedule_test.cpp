@@ -48,7 +48,7 @@ GainBranch gain_branch(Disturbance::Branch branch, const std::string& place) {
 
 GainSchedule both_branches() {
   return make_gain_schedule(rated({1.0, 0.97, 0.9}, {1.0, 1.06, 1.17}),
-                            {gain_branch(ascending, "FPAA1.Up"), gain_branch(descending, "FPAA2.Down")}, {},
+                            {gain_branch(ascending, "FPAA1.Up"), gain_branch(descending, "FPAA2.Down")}, 0.2,
                             "d.json");
 }
 
@@ -67,7 +67,7 @@ TEST(GainSchedule, EveryFrequencyIsServedWithinHalfAStep) {
   const auto worst_gain = [&](double up_at_one, double down_at_one) {
     up.at_one = up_at_one;
     down.at_one = down_at_one;
-    const GainSchedule schedule = make_gain_schedule(d, {up, down}, {}, "d.json");
+    const GainSchedule schedule = make_gain_schedule(d, {up, down}, 0.2, "d.json");
     double worst = 0.0;
     for (double f = 0.5; f < 200.0; f *= 1.013) {
       // The nearest in log f, held beyond the ends.
@@ -110,7 +110,7 @@ TEST(GainSchedule, SetsShareWhatLiesBetweenThemAndAreKeptALittleLonger) {
 TEST(GainSchedule, WhatRatiosDoNotMakeIsSaid) {
   const auto refusal = [](const char* place) -> std::string {
     try {
-      make_gain_schedule(rated({1.0, 2.0, 3.0}, {1.0, 1.0, 1.0}), {gain_branch(ascending, place)}, {},
+      make_gain_schedule(rated({1.0, 2.0, 3.0}, {1.0, 1.0, 1.0}), {gain_branch(ascending, place)}, 0.2,
                          "d.json");
     } catch (const DesignError& error) {
       return error.what();
@@ -145,7 +145,7 @@ TEST(GainSchedule, ASharedFeedbackCapacitorStays) {
   const GainBranch up = gain_branch(ascending, "FPAA1.Sum:Cin1/200");
   const GainBranch down = gain_branch(descending, "FPAA1.Sum:Cin2/200");
   const GainSchedule schedule =
-      make_gain_schedule(rated({1.0, 0.97, 0.9}, {1.0, 1.06, 1.17}), {up, down}, {}, "d.json");
+      make_gain_schedule(rated({1.0, 0.97, 0.9}, {1.0, 1.06, 1.17}), {up, down}, 0.2, "d.json");
   const GainSet& set = schedule.sets.back();
   GainMemory memory;
   take_stream(memory, decode(set.streams.at(1), "one"));
@@ -154,13 +154,14 @@ TEST(GainSchedule, ASharedFeedbackCapacitorStays) {
   EXPECT_THROW(make_gain_schedule(rated({1, 1, 0.9}, {1, 1, 1.1}),
                                   {gain_branch(ascending, "FPAA1.Sum:Cin1/Cout"),
                                    gain_branch(descending, "FPAA1.Sum:Cin2/Cout")},
-                                  {}, "d.json"),
+                                  0.2, "d.json"),
                DesignError);
 }
 
 TEST(GainSchedule, OneBranchAloneAndKnownAddresses) {
   const GainBranch down{descending, parse_gain_place("3:9.7/9.6", nullptr, "--x"), 2.0};
-  const GainSchedule schedule = make_gain_schedule(rated({1, 1, 1}, {1.0, 1.06, 1.17}), {down}, {}, "d.json");
+  const GainSchedule schedule =
+      make_gain_schedule(rated({1, 1, 1}, {1.0, 1.06, 1.17}), {down}, 0.2, "d.json");
   EXPECT_EQ(schedule.branches.size(), 1u);
   EXPECT_EQ(schedule.branches[0].place.address1, 3);
   GainMemory memory;
@@ -171,20 +172,20 @@ TEST(GainSchedule, OneBranchAloneAndKnownAddresses) {
 
 TEST(GainSchedule, RefusesWhatCannotBe) {
   const auto refused = [](const Disturbance& d, const std::vector<GainBranch>& branches,
-                          const GainScheduleOptions& options) {
+                          double step_percent) {
     try {
-      make_gain_schedule(d, branches, options, "d.json");
+      make_gain_schedule(d, branches, step_percent, "d.json");
     } catch (const DesignError& error) {
       return std::string(error.what());
     }
     return std::string("nothing");
   };
   const GainBranch up = gain_branch(ascending, "FPAA1.Up");
-  EXPECT_THAT(refused(rated({1, 1, 1}, {1, 1, 1}), {up}, {}), HasSubstr("no branch changes"));
-  EXPECT_THAT(refused(rated({1, 1, 1}, {1, 1, 1.2}), {up}, {}), HasSubstr("--descending"));
-  EXPECT_THAT(refused(rated({1, 1, -1}, {1, 1, 1}), {up}, {}), HasSubstr("gain of -"));
-  EXPECT_THAT(refused(rated({1, 1, 400}, {1, 1, 1}), {up}, {}), HasSubstr("gain of 400 at 100 Hz"));
-  EXPECT_THAT(refused(rated({1, 1, 0.5}, {1, 1, 1}), {up}, {.step_percent = 1e-4}), HasSubstr("larger step"));
+  EXPECT_THAT(refused(rated({1, 1, 1}, {1, 1, 1}), {up}, 0.2), HasSubstr("no branch changes"));
+  EXPECT_THAT(refused(rated({1, 1, 1}, {1, 1, 1.2}), {up}, 0.2), HasSubstr("--descending"));
+  EXPECT_THAT(refused(rated({1, 1, -1}, {1, 1, 1}), {up}, 0.2), HasSubstr("gain of -"));
+  EXPECT_THAT(refused(rated({1, 1, 400}, {1, 1, 1}), {up}, 0.2), HasSubstr("gain of 400 at 100 Hz"));
+  EXPECT_THAT(refused(rated({1, 1, 0.5}, {1, 1, 1}), {up}, 1e-4), HasSubstr("larger step"));
   const auto place = [](const std::string& text) {
     try {
       gain_branch(ascending, text);

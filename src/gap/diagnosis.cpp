@@ -63,8 +63,9 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, co
                             std::clamp(u.value + sigma, u.value, u.high)});
       ++at;
     }
-    for (int id : term.lines) {
+    for (int id : term.blocks) {
       const auto& line = model.at(model.position_of(id));
+      if (line.type().name() != "hum") continue;
       for (const char* key : {"amplitude", "phase_deg"})
         parameters.push_back({key, line.get(key), line.get(key), line.get(key)});
     }
@@ -81,7 +82,7 @@ std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
     // Of many unknowns (weights of plays) each alone may be open without the effect being so.
     for (std::size_t j = 0; j < unknowns.size(); ++j, ++at) {
       const auto& p = d.steps[k].parameters[j];
-      if (unknowns.size() < RoundOptions().many_unknowns && p.high - p.low > std::abs(p.value))
+      if (unknowns.size() <= kFew && p.high - p.low > std::abs(p.value))
         open.push_back({at, p.name, p.low, p.high});
     }
   }
@@ -91,7 +92,7 @@ std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
 /// Whether the held-out records contradict what was found on the others.
 bool disagrees(const Diagnosis& d) {
   const bool worse = !d.steps.empty() && d.final.holdout_rms > d.refitted.holdout_rms;
-  return worse || d.final.holdout_rms > SearchOptions().contradicts * d.final.train_rms;
+  return worse || d.final.holdout_rms > kFarMore * d.final.train_rms;
 }
 
 /// What the names leave of the held-out records' gap: all of it where none was found and more is left, none where nothing is missing.
@@ -120,28 +121,31 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   // The held-out records come in here, when all is decided. Lines of the mains are written as the first of
   // them has them.
   d.search.final = with_lines_of(std::move(d.search.final), study.holdout().front());
-  const GapMeter meter(study, d.search.final);
+  const WholeResiduals initial = whole_residuals(d.search.initial, study);
+  const WholeResiduals final = whole_residuals(d.search.final, study);
+  const GapMeter meter(study, final);
   for (auto& s : d.search.steps) look_at_holdout(s.ranking, meter.holdout());
   look_at_holdout(d.search.refused, meter.holdout());
   d.scored_from = meter.scored_from();
-  d.initial = meter.size(d.search.initial);
-  d.refitted = meter.size(d.search.base);
-  d.final = meter.size(d.search.final);
+  d.initial = meter.size(initial);
+  d.final = meter.size(final);
+  d.refitted = d.search.steps.empty() ? d.final : meter.size(whole_residuals(d.search.base, study));
   d.floor = d.search.floor;
   auto parameters = found_parameters(d.search.final, searched);
   for (std::size_t k = 0; k < d.search.steps.size(); ++k) {
     const Step& step = d.search.steps[k];
-    d.steps.push_back({.effect = std::string(step.effect->told()),
-                       .tied_with = step.tied_with,
-                       .placed = step.placed,
-                       .also_placed = step.also_placed,
-                       .part = d.search.final.terms()[k].part,
-                       .parameters = std::move(parameters[k]),
-                       .after = k + 1 < d.search.steps.size() ? meter.size(step.after) : d.final});
+    d.steps.push_back(
+        {.effect = std::string(step.effect->told()),
+         .tied_with = step.tied_with,
+         .placed = step.placed,
+         .also_placed = step.also_placed,
+         .part = d.search.final.terms()[k].part,
+         .parameters = std::move(parameters[k]),
+         .after = k + 1 < d.search.steps.size() ? meter.size(whole_residuals(step.after, study)) : d.final});
   }
-  d.where = meter.where(d.search.initial);
-  d.remaining_where = meter.where(d.search.final);
-  d.constant_offsets = constant_offsets(meter, d.search.final, study);
+  d.where = meter.where(initial);
+  d.remaining_where = meter.where(final);
+  d.constant_offsets = constant_offsets(meter, final, study);
   d.verdict = verdict_of(d.search, d.search.train_rms);
   d.holdout_disagrees = disagrees(d);
   const bool more_than_noise =

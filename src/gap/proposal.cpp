@@ -6,7 +6,10 @@
 namespace bodesmith::gap {
 namespace {
 
-std::function<void(Model&, std::span<const double>)> setter(int id, const std::vector<Unknown>& unknowns) {
+/// Writes the unknowns' values into a block: by `write`, or each as the parameter of its name.
+std::function<void(Model&, std::span<const double>)> writer(int id, const std::vector<Unknown>& unknowns,
+                                                            BlockWriter write) {
+  if (write) return [id, write](Model& m, std::span<const double> v) { write(m.block(id), v); };
   std::vector<std::string> names;
   for (const auto& u : unknowns) names.push_back(u.name);
   return [id, names](Model& model, std::span<const double> values) {
@@ -45,45 +48,35 @@ Proposal insert_block(const Scene& scene, std::size_t position, chain::Block blo
   add_parameters(unknowns, starts, block);
   const int id = model.insert(position, std::move(block));
   term.blocks = {id};
-  if (write) {
-    term.write = [id, write](Model& m, std::span<const double> v) { write(m.block(id), v); };
-  } else {
-    term.write = setter(id, unknowns);
-  }
+  term.write = writer(id, unknowns, std::move(write));
   term.unknowns = std::move(unknowns);
   return propose_term(std::move(model), std::move(term), std::move(starts));
 }
 
-Proposal change_block(const Scene& scene, std::size_t position, std::vector<Unknown> unknowns,
-                      Starts starts) {
+Proposal change_block(const Scene& scene, std::size_t position, std::vector<Unknown> unknowns, Starts starts,
+                      BlockWriter write) {
   Term term;
   term.placed = inside_block(*scene.model, position);
   const auto& block = scene.model->at(position);
   const int id = scene.model->id_at(position);
   term.part = block.part;
-  std::vector<std::pair<std::string, double>> before;
-  for (const auto& u : unknowns) before.emplace_back(u.name, block.get(u.name));
   add_parameters(unknowns, starts, block);
-  term.write = setter(id, unknowns);
-  term.undo = [id, before](Model& model) {
-    for (const auto& [name, value] : before) model.block(id).set(name, value);
-  };
+  term.write = writer(id, unknowns, std::move(write));
   term.unknowns = std::move(unknowns);
   return propose_term(*scene.model, std::move(term), std::move(starts));
 }
 
 Proposal change_part(const Scene& scene, std::size_t position, std::size_t which) {
-  const int id = scene.model->id_at(position);
   const chain::Block good = scene.model->at(position);
   const chain::PartChange part = (*good.parts)[which];
   const double most = part.most();
   const double start = part.is_offset() ? part.tolerance : 2.0;
+  const int id = scene.model->id_at(position);
   Term term;
   term.placed = part.part + " " + inside_block(*scene.model, position);
   term.part = part.part;
   term.unknowns = {linear_unknown(part.is_offset() ? "off_v" : "off_percent", -most, most, start)};
   term.write = [id, good, part](Model& m, std::span<const double> v) { m.block(id) = good.with(part, v[0]); };
-  term.undo = [id, good](Model& m) { m.block(id) = good; };
   return propose_term(*scene.model, std::move(term), {{start}});
 }
 

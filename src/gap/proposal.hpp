@@ -29,9 +29,9 @@ using BlockWriter = std::function<void(chain::Block&, std::span<const double>)>;
 /// starts the unknowns (linear ones) begin a tenth of a typical change off what the block has.
 Proposal insert_block(const Scene& scene, std::size_t position, chain::Block block,
                       std::vector<Unknown> unknowns, Starts starts = {}, BlockWriter write = {});
-/// For effects inside a base block: the unknowns' names are its parameters. Starts as of insert_block.
+/// For effects inside a base block. Writer and starts as of insert_block.
 Proposal change_block(const Scene& scene, std::size_t position, std::vector<Unknown> unknowns,
-                      Starts starts = {});
+                      Starts starts = {}, BlockWriter write = {});
 /// For effects that are a part of a base block (Block::parts) off its value, by percent or volts.
 Proposal change_part(const Scene& scene, std::size_t position, std::size_t which);
 /// For all others: `model` is the scene's with the term's blocks in it, `term` knows how to write its

@@ -11,6 +11,17 @@
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
+
+/// Runs one chain structure against one record, again and again with other parameter values.
+class Bench {
+ public:
+  virtual ~Bench() = default;
+  virtual chain::Chain& chain() = 0;
+  /// Appends (model - measured) at every scored sample; false when the chain cannot be run with its present
+  /// values (it runs away).
+  virtual bool residuals(std::vector<double>& append) = 0;
+};
+
 namespace {
 
 simulate::RecordOptions engine_options(const TimeExperiment& experiment) {
@@ -120,67 +131,66 @@ void copy_values(const Model& model, chain::Chain& chain) {
 
 }  // namespace
 
-Runner::Runner(const Model& model, const Experiments& experiments) : model_(model) {
-  const auto chain = model.chain();
-  std::vector<std::size_t> lines;
-  for (int id : model.line_blocks()) lines.push_back(model.position_of(id));
-  for (const auto& e : experiments) benches_.push_back(make_bench(chain, lines, e));
+/// For one thread.
+struct Runner::Benches {
+  Model model;
+  std::vector<std::unique_ptr<Bench>> of_each;
+
+  Benches(const Model& of, const Experiments& experiments) : model(of) {
+    const auto chain = model.chain();
+    std::vector<std::size_t> lines;
+    for (int id : model.line_blocks()) lines.push_back(model.position_of(id));
+    for (const auto& e : experiments) of_each.push_back(make_bench(chain, lines, e));
+  }
+
+  bool residuals(std::span<const double> values, std::vector<double>& out) {
+    out.clear();
+    try {
+      model.set_values(values);
+      if (!model.validation_error().empty()) return false;
+      for (auto& bench : of_each) {
+        copy_values(model, bench->chain());
+        if (!bench->residuals(out)) return false;
+      }
+      return true;
+    } catch (
+        const InputError&) {  // a relation between parameters that an engine needs and a trial value breaks
+      return false;
+    }
+  }
+};
+
+Runner::Runner(const Model& model, const Experiments& experiments)
+    : model_(model), experiments_(experiments) {
+  idle_.push_back(std::make_unique<Benches>(model_, experiments_));
 }
 Runner::~Runner() = default;
-Runner::Runner(Runner&&) noexcept = default;
 
-bool Runner::operator()(std::span<const double> values, std::vector<double>& out) {
-  out.clear();
-  try {
-    model_.set_values(values);
-    if (!model_.validation_error().empty()) return false;
-    for (auto& b : benches_) {
-      copy_values(model_, b->chain());
-      if (!b->residuals(out)) return false;
-    }
-    return true;
-  } catch (
-      const InputError&) {  // a relation between parameters that an engine needs and a trial value breaks
-    return false;
-  }
-}
-
-Runners::Runners(const Model& model, const Experiments& experiments)
-    : model_(model), experiments_(experiments) {
-  idle_.emplace_back(model_, experiments_);
-}
-
-Runner Runners::take() {
+std::unique_ptr<Runner::Benches> Runner::take() {
   {
     const std::lock_guard lock(guard_);
     if (!idle_.empty()) {
-      Runner runner = std::move(idle_.back());
+      auto benches = std::move(idle_.back());
       idle_.pop_back();
-      return runner;
+      return benches;
     }
   }
-  return {model_, experiments_};
+  return std::make_unique<Benches>(model_, experiments_);
 }
 
-bool Runners::operator()(std::span<const double> values, std::vector<double>& out) {
-  Runner runner = take();
-  const bool runnable = runner(values, out);
+bool Runner::operator()(std::span<const double> values, std::vector<double>& out) {
+  auto benches = take();
+  const bool runnable = benches->residuals(values, out);
   const std::lock_guard lock(guard_);
-  idle_.push_back(std::move(runner));
+  idle_.push_back(std::move(benches));
   return runnable;
-}
-
-std::vector<double> current_values(const Model& model) {
-  std::vector<double> values;
-  for (const auto& u : model.unknowns()) values.push_back(u.value);
-  return values;
 }
 
 std::vector<double> residuals_of(const Model& model, const Experiments& experiments) {
   std::vector<double> out;
   try {
     Runner runner(model, experiments);
-    if (!runner(current_values(model), out)) out.clear();
+    if (!runner(model.values(), out)) out.clear();
   } catch (const InputError&) {  // as in Runner: no outcome to compare
     out.clear();
   }

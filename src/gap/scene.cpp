@@ -5,15 +5,13 @@
 #include <utility>
 
 #include "gap/runner.hpp"
+#include "gap/search_options.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {
-
-/// Part of the input's power below low_hz, and above band_hz.
-constexpr double kOutside = 0.05;
 
 Signal signal_of(std::span<const double> v, double step_s) {
   Signal s;
@@ -46,7 +44,7 @@ std::vector<double> largest_peaks(const Periodogram& e) {
   return found;
 }
 
-/// Where the input has its power.
+/// Where the input has its power, but for less than a name must explain of energy on each side.
 void find_band(Scene& scene, const TimeRecord& record) {
   auto moving = record.u;
   const double middle = mean(moving);
@@ -58,8 +56,8 @@ void find_band(Scene& scene, const TimeRecord& record) {
   for (std::size_t k = 0; k < p.power.size(); ++k) {
     sum += p.power[k];
     const double hz = p.bin_hz * static_cast<double>(std::max<std::size_t>(k, 1));
-    if (scene.low_hz == 0.0 && sum >= kOutside * total) scene.low_hz = hz;
-    if (scene.band_hz == 0.0 && sum >= (1.0 - kOutside) * total) scene.band_hz = hz;
+    if (scene.low_hz == 0.0 && sum >= kLeastShare * total) scene.low_hz = hz;
+    if (scene.band_hz == 0.0 && sum >= (1.0 - kLeastShare) * total) scene.band_hz = hz;
   }
   if (scene.low_hz == 0.0) scene.low_hz = p.bin_hz;
 }
@@ -177,10 +175,7 @@ std::vector<std::size_t> Scene::linear_places() const {
   std::vector<std::size_t> places;
   // The last boundary of every stretch of linear blocks (all of them stand for the same model).
   for (std::size_t i = 0; i <= end(); ++i) {
-    if (i < end() && (linear(i) || is_added(i))) continue;
-    std::size_t at = i;
-    while (at > 0 && is_added(at - 1)) --at;
-    places.push_back(at);
+    if (i == end() || !linear(i)) places.push_back(i);
   }
   return places;
 }
@@ -191,20 +186,6 @@ std::vector<std::size_t> Scene::static_places() const {
     if (i == end() || !model->at(i).scales_only()) places.push_back(i);
   }
   return places;
-}
-
-bool Scene::is_added(std::size_t position) const {
-  if (model->is_base(position)) return false;
-  const auto line = model->at(position).affine();
-  return (line && line->constant != 0.0) || model->at(position).type().name() == "drift";
-}
-
-std::vector<double> Scene::beyond_band_hz(double times, int count) const {
-  const double from = times * band_hz;
-  std::vector<double> beyond;
-  if (frequency_only || from > top_hz) return beyond;
-  for (int k = 1; k <= count; ++k) beyond.push_back(from * std::pow(top_hz / from, k / (count + 1.0)));
-  return beyond;
 }
 
 std::vector<std::size_t> Scene::base_places() const {

@@ -49,8 +49,8 @@ struct Scene {
   bool frequency_only = false;  ///< the records are frequency responses: no signals, linear effects only
   double step_s = 0.0;
   double duration_s = 0.0;
-  double low_hz = 0.0;                    ///< where the input has its power: 5 % below,
-  double band_hz = 0.0;                   ///< 95 % below this
+  double low_hz = 0.0;                    ///< where the input has its power: little below,
+  double band_hz = 0.0;                   ///< and above
   double top_hz = 0.0;                    ///< Nyquist, or the highest frequency of a response
   std::vector<Signal> boundary;           ///< in front of each block, the last one: the output
   std::vector<double> residual;           ///< measured - model, whole record
@@ -62,10 +62,8 @@ struct Scene {
   int threads = 1;              ///< for looks that take long
   std::function<bool()> late;   ///< true: the time for proposals is over; empty: it has no end
 
-  bool linear(std::size_t position) const;    ///< the block there is linear and time-invariant
-  bool is_added(std::size_t position) const;  ///< a term's constant or drift
-  /// One boundary of each class of places that a linear effect cannot tell apart. What comes behind a constant or a
-  /// drift that a term adds is taken in front of it: of them it makes the same, once the start is over.
+  bool linear(std::size_t position) const;  ///< the block there is linear and time-invariant
+  /// One boundary of each class of places that a linear effect cannot tell apart.
   std::vector<std::size_t> linear_places() const;
   /// The same for a memoryless or rate-independent effect.
   std::vector<std::size_t> static_places() const;
@@ -73,9 +71,6 @@ struct Scene {
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).
   std::vector<std::size_t> base_places() const;
-  /// Frequencies between `times` the driven band and the highest one that the sampling shows: steps have their power far below what
-  /// their edges tell. None where the band comes near to that.
-  std::vector<double> beyond_band_hz(double times, int count) const;
   /// Long looks for start values end here, with what they have.
   bool is_late() const { return late && late(); }
 };

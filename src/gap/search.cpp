@@ -16,17 +16,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A chain may well hold two bent curves. Three describe one that is none of them; three modes side by side in a time record, an echo.
-constexpr std::ptrdiff_t kMostOfAKind = 2;
-
-bool has_many_of_a_kind(const Model& model, const Experiments& train) {
-  const auto& terms = model.terms();
-  const auto is_mode = [](const Term& t) { return t.effect->facts().repeatable && t.effect->facts().linear; };
-  return std::ranges::count_if(terms, [](const Term& t) { return t.effect->facts().static_curve; }) >
-             kMostOfAKind ||
-         (!are_responses(train) && std::ranges::count_if(terms, is_mode) > kMostOfAKind);
-}
-
 /// The base model with its own freedom used: what its free parameters can explain is not missing. As given when it cannot be run.
 Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
   auto fitted = fit_in_turn(setting, records, setting.initial);
@@ -82,8 +71,6 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.train_rms = beam.best.train_rms;
   result.log_evidence = beam.best.log_evidence;
   if (!result.stopped) result.structure = signs_left(beam.best.model, records);
-  if (has_many_of_a_kind(beam.best.model, records.train))
-    result.structure.push_back({SignKind::many_of_a_kind, (kMostOfAKind + 1.0) / kMostOfAKind});
   result.final = std::move(beam.best.model);
   result.notes = std::move(beam.best.notes);
   if (beam.smooth_input)

@@ -51,13 +51,13 @@ TEST(Threads, FitsComeToTheSameBitsOnAnyNumber) {
   EXPECT_EQ(one.result.deviation, three.result.deviation);
 }
 
-TEST(Threads, RunnersGiveTheBitsOfOne) {
+TEST(Threads, RunnerGiveTheBitsOfOne) {
   const auto train = record(2000, 1e-3, 50.0, 0.0);
   const gap::Model model(resonator());
-  gap::Runners runners(model, train);
+  gap::Runner runners(model, train);
   std::vector<std::vector<double>> got(12);
   const auto values = [&](std::size_t i) {
-    auto v = gap::current_values(model);
+    auto v = model.values();
     v[i % v.size()] *= 1.0 + 0.01 * static_cast<double>(i);
     return v;
   };

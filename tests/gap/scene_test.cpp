@@ -59,36 +59,7 @@ TimeRecord staircase(unsigned seed) {
   return r;
 }
 
-/// Where a linear effect is looked for behind a gain and what `effect` adds at the output.
-std::vector<std::size_t> linear_places_with(const char* effect) {
-  const chain::Chain base = chain_of_a_line();
-  const gap::Model model(base);
-  const auto study = gap::Study::of({staircase(1)}, {staircase(2)}, base);
-  const auto bare = gap::make_scene(model, study.train());
-  std::vector<gap::Proposal> proposals;
-  gap::effect_registry().get(effect).propose(bare, proposals);
-  return gap::make_scene(proposals.back().model, study.train()).linear_places();
-}
-
-// Of a constant and a line they make the same wherever these are added.
-TEST(ScenePlaces, OfDynamicsAreInFrontOfWhatIsAddedAtTheOutput) {
-  EXPECT_EQ(linear_places_with("amplifier_pole"), std::vector<std::size_t>{2});
-  EXPECT_EQ(linear_places_with("drift"), std::vector<std::size_t>{1});
-  EXPECT_EQ(linear_places_with("offset"), std::vector<std::size_t>{1});
-}
-
-TEST(BeyondBand, IsFilledWhereTheDriveIsSlow) {
-  gap::Scene scene;
-  scene.top_hz = 1000.0;
-  scene.band_hz = 0.1;
-  const auto beyond = scene.beyond_band_hz(30.0, 2);
-  ASSERT_EQ(beyond.size(), 2U);
-  EXPECT_NEAR(beyond[0] / 3.0, std::cbrt(1000.0 / 3.0), 1e-9);
-  EXPECT_NEAR(beyond[1] / beyond[0], std::cbrt(1000.0 / 3.0), 1e-9);
-  scene.band_hz = 100.0;
-  EXPECT_TRUE(scene.beyond_band_hz(30.0, 2).empty());
-}
-
+// Steps have their power far below what their edges tell.
 TEST(BeyondBand, LagIsNoDelay) {
   const auto d =
       gap::diagnose(chain_of_a_line(), gap::Study::of({staircase(1)}, {staircase(2)}, chain_of_a_line()), {});

@@ -6,8 +6,7 @@ namespace {
 
 void propose_amplifier_pole(const Scene& scene, std::vector<Proposal>& out) {
   const double b = scene.band_hz;
-  Starts starts = {{30.0 * b}, {6.0 * b}, {1.5 * b}, {0.4 * b}};
-  for (double hz : scene.beyond_band_hz(30.0, 2)) starts.push_back({hz});
+  const Starts starts = {{30.0 * b}, {6.0 * b}, {1.5 * b}, {0.4 * b}};
   const auto corner = logarithmic_unknown("corner_hz", 1e-3 * b, 1e3 * std::max(b, 0.03 * scene.top_hz));
   for (std::size_t at : scene.linear_places())
     out.push_back(insert_block(scene, at, chain::make_block("lowpass"), {corner}, starts));

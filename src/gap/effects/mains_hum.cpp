@@ -57,20 +57,12 @@ std::vector<Line> lines_of(const Scene& scene) {
 }
 
 Proposal with_line(const Scene& scene, const Line& line) {
-  Model model = *scene.model;
-  Term term;
-  term.placed = model.placed(model.size());
-  const int id = model.insert(
-      model.size(),
-      chain::make_block("hum").set("amplitude", 0.0).set("frequency_hz", line.hz).set("phase_deg", 0.0));
-  term.blocks = {id};
-  term.lines = {id};
-  auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * line.nominal_hz,
-                                  (1.0 + kTolerance) * line.nominal_hz, 0.1 / scene.duration_s);
-  frequency.unit = "Hz";
-  term.unknowns = {frequency};
-  term.write = [id](Model& m, std::span<const double> v) { m.block(id).set("frequency_hz", v[0]); };
-  return propose_term(std::move(model), std::move(term), {{line.hz}});
+  const auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * line.nominal_hz,
+                                        (1.0 + kTolerance) * line.nominal_hz, 0.1 / scene.duration_s);
+  return insert_block(
+      scene, scene.model->size(),
+      chain::make_block("hum").set("amplitude", 0.0).set("frequency_hz", line.hz).set("phase_deg", 0.0),
+      {frequency}, {{line.hz}});
 }
 
 /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as

@@ -86,7 +86,7 @@ void propose_hysteresis(const Scene& scene, std::vector<Proposal>& out) {
 }
 
 /// Loops that are less wide than this part of the curve next to them are none: as little as what a name must explain.
-const double kMinLoop = BoundOptions().explained;
+const double kMinLoop = kExplained;
 
 /// All there is to fit is one record in which this signal goes from end to end again and again: a play that follows it turns nowhere
 /// else, but on the way in from the start.

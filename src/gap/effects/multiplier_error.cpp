@@ -93,25 +93,17 @@ Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<Powers>
   const std::array all = {linear_unknown("scale", 0.5, 2.0, 0.05),
                           linear_unknown("feedthrough", -size, size, 0.05 * size),
                           linear_unknown("offset", -square, square, 0.05 * square)};
-  const int id = scene.model->id_at(at);
-  Term term;
-  term.placed = inside_block(*scene.model, at);
-  term.part = scene.model->at(at).part;
+  std::vector<Unknown> unknowns;
   std::vector<double> start;
   for (const std::size_t k : which) {
-    term.unknowns.push_back(all[k]);
+    unknowns.push_back(all[k]);
     start.push_back(kNoErrors[k] + 0.1 * all[k].scale);
   }
-  term.write = [=](Model& m, std::span<const double> v) {
+  return change_block(scene, at, unknowns, {start}, [=](chain::Block& block, std::span<const double> v) {
     ErrorValues errors = kNoErrors;
     for (std::size_t k = 0; k < which.size(); ++k) errors[which[k]] = v[k];
-    for (const auto& p : powers)
-      write_powers(m.block(id), p, with_errors(p.coefficients, errors, first_alone));
-  };
-  term.undo = [=](Model& m) {
-    for (const auto& p : powers) write_powers(m.block(id), p, p.coefficients);
-  };
-  return propose_term(*scene.model, std::move(term), {start});
+    for (const auto& p : powers) write_powers(block, p, with_errors(p.coefficients, errors, first_alone));
+  });
 }
 
 void propose_multiplier_error(const Scene& scene, std::vector<Proposal>& out) {

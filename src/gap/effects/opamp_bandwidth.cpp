@@ -10,9 +10,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Of its good value, at the most: less is no fault, and what it does would vanish.
-constexpr double kSlower = 0.99;
-
 /// An op-amp of a section H = N(s)/P(s), P(0) = 1, and the blocks that stand behind the section for it. With 1/beta = D(s)/P(s) and
 /// a gain-bandwidth f the section is H P/(P + s D/(2 pi f)): a biquad of the zeros P and two of the poles, a lowpass of the
 /// last. The section stays as it is, so that its capacitors can be off besides.
@@ -53,7 +50,7 @@ void write_poles(Model& model, const SlowOpamp& opamp, double gain_bandwidth_hz)
 
 /// The greatest gain-bandwidth that is told: one that is as good as the section says does nothing.
 double most_hz(const Scene& scene, double known_hz) {
-  return std::min(1e4 * scene.band_hz, kSlower * known_hz);
+  return std::min(1e4 * scene.band_hz, known_hz);
 }
 
 Proposal propose_slower(const Scene& scene, Model model, Term term, double most) {
@@ -90,8 +87,6 @@ Proposal slow(const Scene& scene, std::vector<SlowOpamp> opamps) {
     for (const auto& one : opamps) write_poles(m, one, v[0]);
   };
   term.reads_base_blocks = true;
-  // It belongs inside its section, and taking its blocks out is all there is to undo.
-  term.undo = [](Model&) {};
   return propose_slower(scene, std::move(model), std::move(term), most_hz(scene, opamps.back().known_hz));
 }
 
@@ -114,7 +109,6 @@ Proposal slow_with_a_way_round(const Scene& scene, std::size_t at, const chain::
     m.block(id) = std::move(now.section);
     m.block(behind) = std::move(now.behind);
   };
-  term.undo = [id, good](Model& m) { m.block(id) = good; };
   return propose_slower(scene, std::move(model), std::move(term), most);
 }
 

@@ -32,25 +32,12 @@ struct ModePlace {
     b.set("resonator_hz", resonator.get("natural_frequency_hz"))
         .set("resonator_damping_ratio", resonator.get("damping_ratio"));
   }
-  /// Leaves the modes in front where they are: those behind keep their numbers.
-  void clear(Model& model) const {
-    chain::Block& b = model.block(block);
-    auto gains = b.list(kShares);
-    auto frequencies = b.list(kModeFrequencies);
-    auto dampings = b.list(kModeDampings);
-    gains[mode] = 0.0;
-    while (!gains.empty() && gains.back() == 0.0) {
-      gains.pop_back();
-      frequencies.pop_back();
-      dampings.pop_back();
-    }
-    b.set(kShares, gains).set(kModeFrequencies, frequencies).set(kModeDampings, dampings);
-  }
 
  private:
+  /// A mode in front that another term had keeps its place, without a share.
   void put(chain::Block& b, const char* key, double value) const {
     auto values = b.list(key);
-    if (mode >= values.size()) values.resize(mode + 1);
+    if (mode >= values.size()) values.resize(mode + 1, key == kShares ? 0.0 : value);
     values[mode] = value;
     b.set(key, values);
   }
@@ -96,7 +83,6 @@ void add_proposal(const Scene& scene, Model model, int block, std::optional<int>
                    logarithmic_unknown("damping_ratio", 1e-3, kMostDamping),
                    linear_unknown("gain", -INFINITY, INFINITY, 1.0)};
   term.write = [place](Model& m, std::span<const double> v) { place.write(m, v[0], v[1], v[2]); };
-  term.undo = [place](Model& m) { place.clear(m); };
   out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
 }
 

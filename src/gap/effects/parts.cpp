@@ -27,21 +27,14 @@ void propose_pair(const Scene& scene, std::size_t at, bool damps, std::vector<Pr
   for (const auto& p : good.parameters()) {
     if (p.free) return;
   }
-  const int id = scene.model->id_at(at);
-  Term term;
-  term.placed = inside_block(*scene.model, at);
-  term.part = good.part;
-  term.unknowns = {logarithmic_unknown("capacitor_ratio", 1.0 / kMaxRatio, kMaxRatio)};
-  term.write = [id, good, damps](Model& m, std::span<const double> v) {
-    const double root = std::sqrt(v[0]);
-    const double damping = damps ? root : 1.0 / root;
-    chain::Block& section = m.block(id);
-    section.set("natural_frequency_hz", good.get("natural_frequency_hz") / root)
-        .set("damping_ratio", good.get("damping_ratio") * damping)
-        .set("bandpass_gain", good.get("bandpass_gain") * damping);
-  };
-  term.undo = [id, good](Model& m) { m.block(id) = good; };
-  out.push_back(propose_term(*scene.model, std::move(term), {{1.01}}));
+  out.push_back(change_block(scene, at, {logarithmic_unknown("capacitor_ratio", 1.0 / kMaxRatio, kMaxRatio)},
+                             {{1.01}}, [good, damps](chain::Block& section, std::span<const double> v) {
+                               const double root = std::sqrt(v[0]);
+                               const double damping = damps ? root : 1.0 / root;
+                               section.set("natural_frequency_hz", good.get("natural_frequency_hz") / root)
+                                   .set("damping_ratio", good.get("damping_ratio") * damping)
+                                   .set("bandpass_gain", good.get("bandpass_gain") * damping);
+                             }));
 }
 
 /// Each part of a block but op-amps.

@@ -11,7 +11,6 @@ void propose_resonance(const Scene& scene, std::vector<Proposal>& out) {
   Starts starts;
   auto peaks = scene.residual_peaks_hz;
   for (double factor : {0.6, 1.2, 2.0, 3.5, 6.0}) peaks.push_back(factor * scene.band_hz);
-  for (double hz : scene.beyond_band_hz(6.0, 3)) peaks.push_back(hz);
   for (double hz : peaks) {
     if (hz > 0.95 * scene.top_hz) continue;
     starts.push_back({hz, 0.05});

@@ -22,7 +22,8 @@ struct NoiseFloor {
   double even_rms = 0.0;
 };
 
-/// What is left is more than noise from so many floors on: coherence does not see an instrument's own errors, nor leakage.
+/// What is left is more than noise from so many floors on: coherence does not see an instrument's own errors, nor leakage. A record began in
+/// another state than rest where the rms of its start's residual is so many times that of the rest.
 constexpr double kOverFloor = 1.5;
 
 /// Noise forgets itself within so much of the longest record: what is slower is something missing. With half of it a line has a third

@@ -132,21 +132,18 @@ double occam_of_lines(const Model& model, const Experiments& train, double rest_
 
 double occam(const Model& model, const Experiments& train, const Noise& noise) {
   const auto unknowns = model.unknowns();
-  const auto all = sensitivities(model, train);
-  std::vector<Eigen::VectorXd> columns;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const double deviation = prior_deviation(unknowns[k]);
-    if (all[k].size() == 0 || !is_in_use(unknowns[k]) || !std::isfinite(deviation)) continue;
-    auto column = to_vector(all[k]);
+  Eigen::MatrixXd columns = sensitivities(model, train);
+  for (Index k = 0; k < columns.cols(); ++k) {
+    const Unknown& u = unknowns[std_index(k)];
+    const double deviation = prior_deviation(u);
+    const bool counts = is_in_use(u) && std::isfinite(deviation);
+    auto column = to_vector(columns.col(k));
     whiten_all(noise, train, column);
-    columns.push_back(as_eigen(column) * (deviation / std::sqrt(kTemperature)));
+    columns.col(k) = as_eigen(column) * (counts ? deviation / std::sqrt(kTemperature) : 0.0);
   }
-  const Index k = eigen_index(columns.size());
-  if (k == 0) return 0.0;
-  Eigen::MatrixXd information = Eigen::MatrixXd::Identity(k, k);
-  for (Index i = 0; i < k; ++i) {
-    for (Index j = 0; j < k; ++j) information(i, j) += columns[std_index(i)].dot(columns[std_index(j)]);
-  }
+  if (columns.cols() == 0) return 0.0;
+  const Eigen::MatrixXd information =
+      gram(columns) + Eigen::MatrixXd::Identity(columns.cols(), columns.cols());
   double half_log = 0.0;
   for (const double value : singular_values(information)) half_log += 0.5 * std::log(value);
   return std::isfinite(half_log) ? -half_log : -std::numeric_limits<double>::infinity();

@@ -18,7 +18,7 @@ constexpr double kGivenSpread = 0.25;
 Model::Model(const chain::Chain& base) : start_(base.start) {
   int number = 0;
   for (const auto& block : base.blocks) {
-    slots_.push_back({next_id_, ++number, block});
+    slots_.push_back({next_id_, ++number, block, block});
     for (std::size_t k = 0; k < block.parameters().size(); ++k) {
       const auto& p = block.parameters()[k];
       if (!p.free) continue;
@@ -56,7 +56,7 @@ std::size_t Model::position_of(int id) const {
 }
 
 int Model::insert(std::size_t position, chain::Block block) {
-  slots_.insert(slots_.begin() + static_cast<std::ptrdiff_t>(position), Slot{next_id_, 0, std::move(block)});
+  slots_.insert(slots_.begin() + static_cast<std::ptrdiff_t>(position), Slot{next_id_, 0, block, block});
   return next_id_++;
 }
 
@@ -70,28 +70,13 @@ std::string Model::placed(std::size_t position) const {
 }
 
 void Model::add(Term term) {
-  std::vector<double> values;
-  for (const auto& u : term.unknowns) values.push_back(u.value);
   terms_.push_back(std::move(term));
-  const auto write = terms_.back().write;
-  write(*this, values);
-  write_readers();
-}
-
-void Model::write_readers() {
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (!terms_[k].reads_base_blocks) continue;
-    std::vector<double> values;
-    for (const auto& u : terms_[k].unknowns) values.push_back(u.value);
-    const auto write = terms_[k].write;
-    write(*this, values);
-  }
+  set_values(values());
 }
 
 void Model::remove(std::size_t term) {
   const Term gone = terms_[term];
   terms_.erase(terms_.begin() + static_cast<std::ptrdiff_t>(term));
-  if (gone.undo) gone.undo(*this);
   const auto has = [](const Term& t, int id) {
     return std::find(t.blocks.begin(), t.blocks.end(), id) != t.blocks.end();
   };
@@ -99,7 +84,8 @@ void Model::remove(std::size_t term) {
     return has(gone, slot.id) &&
            std::none_of(terms_.begin(), terms_.end(), [&](const Term& t) { return has(t, slot.id); });
   });
-  write_readers();
+  for (Slot& slot : slots_) slot.block = slot.given;
+  set_values(values());
 }
 
 void Model::move_term(std::size_t from, std::size_t to) {
@@ -110,7 +96,9 @@ void Model::move_term(std::size_t from, std::size_t to) {
 
 std::vector<int> Model::line_blocks() const {
   std::vector<int> all;
-  for (const auto& term : terms_) all.insert(all.end(), term.lines.begin(), term.lines.end());
+  for (const auto& slot : slots_) {
+    if (slot.base_number == 0 && slot.block.type().name() == "hum") all.push_back(slot.id);
+  }
   return all;
 }
 
@@ -142,6 +130,12 @@ std::vector<Unknown> Model::unknowns() const {
   return all;
 }
 
+std::vector<double> Model::values() const {
+  std::vector<double> all;
+  for (const auto& u : unknowns()) all.push_back(u.value);
+  return all;
+}
+
 void Model::set_values(std::span<const double> values) {
   std::size_t at = 0;
   for (auto& f : free_) {
@@ -152,15 +146,16 @@ void Model::set_values(std::span<const double> values) {
     for (auto& u : t.unknowns) u.value = values[at++];
   }
   // A term may rewrite what a free parameter set (an effect inside a block starts from the block's own
-  // values).
-  at = free_.size();
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    const std::size_t count = terms_[k].unknowns.size();
-    const auto write = terms_[k].write;
-    write(*this, values.subspan(at, count));
-    at += count;
+  // values), and some read what the others wrote.
+  for (const bool readers : {false, true}) {
+    at = free_.size();
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      const std::size_t count = terms_[k].unknowns.size();
+      const auto write = terms_[k].write;
+      if (terms_[k].reads_base_blocks == readers) write(*this, values.subspan(at, count));
+      at += count;
+    }
   }
-  write_readers();
 }
 
 chain::Chain Model::chain() const {

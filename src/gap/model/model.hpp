@@ -35,7 +35,6 @@ struct Unknown {
       {};                 ///< key of the block's parameter that it is; empty: it is none of a block's own
   std::string unit = {};  ///< of that parameter ("Hz", "s", "y/s", ...); empty: none
 
-  bool is_frequency() const { return unit == "Hz"; }
   bool moves_edges() const { return hop > 0.0; }
   /// How far a value is off what was given, in its spread.
   double deviations(double at) const {
@@ -54,12 +53,8 @@ struct Term {
   std::vector<Unknown> unknowns;
   /// Ids of the blocks it brought, or shares with other terms: they stay as long as one of them does.
   std::vector<int> blocks;
-  /// Ids of hum blocks among them whose size and phase are each record's own (lines.hpp).
-  std::vector<int> lines = {};
   /// Turns the unknowns' values into block parameters.
   std::function<void(Model&, std::span<const double>)> write;
-  /// Takes a change inside a base block back. Empty when its blocks are all there is.
-  std::function<void(Model&)> undo;
   /// Of its name, place and form beforehand (evidence/score.hpp).
   double log_prior = 0.0;
   /// What it writes depends on base blocks, which other terms may change: it is written after those.
@@ -92,13 +87,14 @@ class Model {
   std::string placed(std::size_t position) const;
 
   const std::vector<Term>& terms() const { return terms_; }
-  /// Hum blocks whose size and phase are each record's own; they stand at the end.
+  /// Hum that terms brought, its size and phase each record's own (lines.hpp); it stands at the end.
   std::vector<int> line_blocks() const;
   /// Where a block behind the whole chain goes: in front of the lines.
   std::size_t end() const;
   /// A block has op-amps whose noise gain is known (chain::PartChange): it is a circuit's model.
   bool opamps_are_known() const;
   void add(Term term);
+  /// Its blocks go, but those that other terms share; base blocks are as they were given, and all values written anew.
   void remove(std::size_t term);
   void move_term(std::size_t from, std::size_t to);
   void set_effect_of_last(const Effect& effect) { terms_.back().effect = &effect; }
@@ -107,6 +103,7 @@ class Model {
   std::size_t first_unknown_of(std::size_t term) const;
 
   std::vector<Unknown> unknowns() const;
+  std::vector<double> values() const;
   std::size_t free_count() const { return free_.size(); }
   void set_values(std::span<const double> values);
 
@@ -115,12 +112,11 @@ class Model {
   std::string validation_error() const;
 
  private:
-  void write_readers();  ///< the terms with Term::reads_base_blocks, again
-
   struct Slot {
     int id;
     int base_number;
     chain::Block block;
+    chain::Block given;  ///< as it came
   };
   struct Free {
     int id;

@@ -5,15 +5,13 @@
 #include <utility>
 
 #include "gap/runner.hpp"
+#include "gap/search_options.hpp"
 #include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
-
-/// A unit of the residual is kept when what is left is more than this part of it.
-constexpr double kSameUnit = 0.5;
 
 /// `edges_held`: what moves edges across samples stays as it is.
 std::vector<SearchVariable> search_variables(const std::vector<Unknown>& unknowns, bool edges_held = false) {
@@ -25,7 +23,7 @@ std::vector<SearchVariable> search_variables(const std::vector<Unknown>& unknown
   return out;
 }
 
-Residuals residuals_by(Runners& runner) {
+Residuals residuals_by(Runner& runner) {
   return [&runner](const Eigen::VectorXd& values, Eigen::VectorXd& out) {
     std::vector<double> r;
     if (!runner({values.data(), std_index(values.size())}, r)) return false;
@@ -37,7 +35,7 @@ Residuals residuals_by(Runners& runner) {
 }  // namespace
 
 FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions options) {
-  Runners runner(model, experiments);
+  Runner runner(model, experiments);
   options.threads = allowed_threads();
   const auto unknowns = model.unknowns();
   std::vector<std::size_t> known;
@@ -46,7 +44,7 @@ FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions
   }
   double unit = 0.0;
   std::vector<double> first;
-  if (runner(current_values(model), first)) unit = rms(first);
+  if (runner(model.values(), first)) unit = rms(first);
   const auto of_records = residuals_by(runner);
   const auto residuals = [&](const Eigen::VectorXd& v, Eigen::VectorXd& out) {
     if (!of_records(v, out)) return false;
@@ -69,24 +67,31 @@ FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions
     result.residuals.conservativeResize(result.residuals.size() - eigen_index(known.size()));
     fitted.rms = rms(to_vector(result.residuals));
     if (std::exchange(edges_held, false)) continue;
-    if (known.empty() || !(fitted.rms < kSameUnit * unit) || (options.stop && options.stop())) break;
+    if (known.empty() || !(kFarMore * fitted.rms < unit) || (options.stop && options.stop())) break;
     unit = fitted.rms;
   }
   return fitted;
 }
 
 LeastSquaresResult held_by(const Model& model, const Experiments& experiments) {
-  Runners runner(model, experiments);
+  Runner runner(model, experiments);
   LeastSquaresOptions options;
   options.threads = allowed_threads();
   options.max_iterations = 1;
   return least_squares(search_variables(model.unknowns()), residuals_by(runner), options);
 }
 
-std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments& experiments) {
-  Runners runner(model, experiments);
-  return bodesmith::sensitivities(search_variables(model.unknowns()), residuals_by(runner),
-                                  as_eigen(current_values(model)), allowed_threads());
+Eigen::MatrixXd sensitivities(const Model& model, const Experiments& experiments) {
+  Runner runner(model, experiments);
+  const auto columns = bodesmith::sensitivities(search_variables(model.unknowns()), residuals_by(runner),
+                                                as_eigen(model.values()), allowed_threads());
+  Eigen::Index rows = 0;
+  for (const auto& column : columns) rows = std::max(rows, column.size());
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(rows, eigen_index(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (columns[k].size() == rows) all.col(eigen_index(k)) = columns[k];
+  }
+  return all;
 }
 
 }  // namespace bodesmith::gap

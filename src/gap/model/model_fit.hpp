@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "gap/model/model.hpp"
 #include "gap/records/experiment.hpp"
@@ -27,7 +26,7 @@ FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions
 /// The same from the records alone and for one iteration: how firmly they hold the values that stand.
 LeastSquaresResult held_by(const Model& model, const Experiments& experiments);
 
-/// Columns d(residual)/d(unknown, in search coordinates) at the model's values; empty columns where it cannot be run.
-std::vector<Eigen::VectorXd> sensitivities(const Model& model, const Experiments& experiments);
+/// Columns d(residual)/d(unknown, in search coordinates) at the model's values; zeros where it cannot be run.
+Eigen::MatrixXd sensitivities(const Model& model, const Experiments& experiments);
 
 }  // namespace bodesmith::gap

@@ -69,58 +69,36 @@ Drive within_limits(const DriveLimits& limits, const Drive& wanted) {
   return u;
 }
 
-/// A reference of a part of the range, about its middle.
-Drive about_middle(const DriveLimits& limits, const char* kind, double size, double from_hz, double to_hz) {
-  const simulate::ReferenceSpec spec{.kind = kind,
-                                     .frequency = Hertz{from_hz},
-                                     .last = Hertz{to_hz},
-                                     .amplitude = size * limits.half(),
-                                     .offset = limits.middle(),
-                                     .duration_s = limits.duration_s(),
-                                     .step_s = limits.step_s};
-  return simulate::make_reference(spec).u;
-}
+struct TriedDrive {
+  std::string shape;
+  Drive u;
+};
 
-using Drives = std::vector<std::pair<std::string, Drive>>;
-
-/// The drives that are tried. A sine of a part of the range may be as much faster within the same rate, to a tenth of
-/// the sampling rate.
-Drives drives(const DriveLimits& limits) {
+/// References of the whole range and parts of it about its middle, as fast as the rate allows, a part of the range as much faster, to a
+/// tenth of the sampling rate; and a fifth as fast.
+std::vector<TriedDrive> drives(const DriveLimits& limits) {
   const double full_hz = limits.max_rate / (2.0 * std::numbers::pi * std::max(limits.half(), 1e-300));
   const double slowest_hz = 2.0 / limits.duration_s();
-  Drives all;
-  const auto add = [&](std::string shape, const Drive& wanted) {
-    all.emplace_back(std::move(shape), within_limits(limits, wanted));
-  };
+  const double fastest_hz = std::max(0.1 / limits.step_s, 4.0 * slowest_hz);
+  std::vector<TriedDrive> all;
   for (const double size : {1.0, 0.3, 0.1}) {
-    const std::string of_range = fmt::format("of {:.0f} % of the range", 100.0 * size);
-    const double top_hz =
-        std::clamp(full_hz / size, 4.0 * slowest_hz, std::max(0.1 / limits.step_s, 4.0 * slowest_hz));
     for (const double part : {1.0, 0.2}) {
-      const double to = std::max(part * top_hz, 4.0 * slowest_hz);
-      add(fmt::format("multisine {} to {:.3g} Hz", of_range, to),
-          about_middle(limits, "multisine", size, slowest_hz, to));
-      add(fmt::format("triangles {} at {:.3g} Hz", of_range, 0.5 * to),
-          about_middle(limits, "triangle", size, 0.5 * to, to));
+      const double top_hz = std::clamp(part * full_hz / size, 4.0 * slowest_hz, fastest_hz);
+      for (const auto& [kind, has_band] :
+           {std::pair("multisine", true), {"chirp", true}, {"triangle", false}, {"stair", false}}) {
+        const simulate::ReferenceSpec spec{.kind = kind,
+                                           .frequency = Hertz{has_band ? slowest_hz : 0.5 * top_hz},
+                                           .last = Hertz{top_hz},
+                                           .amplitude = size * limits.half(),
+                                           .offset = limits.middle(),
+                                           .duration_s = limits.duration_s(),
+                                           .step_s = limits.step_s};
+        all.push_back({fmt::format("{} of {:.0f} % of the range, {}{:.3g} Hz", kind, 100.0 * size,
+                                   has_band ? "up to " : "", has_band ? top_hz : 0.5 * top_hz),
+                       within_limits(limits, simulate::make_reference(spec).u)});
+      }
     }
-    add(fmt::format("sweep {} from {:.3g} to {:.3g} Hz", of_range, slowest_hz, top_hz),
-        about_middle(limits, "chirp", size, slowest_hz, top_hz));
   }
-  const auto part_of = [&](std::size_t i) {
-    return static_cast<double>(i) / static_cast<double>(limits.samples);
-  };
-  for (const double cycles : {8.0, 24.0}) {
-    Drive falling = about_middle(limits, "triangle", 1.0, cycles / limits.duration_s(), 1.0);
-    for (std::size_t i = 0; i < falling.size(); ++i)
-      falling[i] -= 0.9 * part_of(i) * (falling[i] - limits.middle());
-    add(fmt::format("{} triangles of falling size", cycles), falling);
-  }
-  Drive steps(limits.samples);
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    constexpr double kLevels[] = {0.9, 0.0, -0.9, 0.3, -0.3, 0.9, -0.9, 0.0};
-    steps[i] = limits.middle() + limits.half() * kLevels[static_cast<std::size_t>(8.0 * part_of(i))];
-  }
-  add("steps of several sizes, with rests", steps);
   return all;
 }
 
@@ -133,24 +111,13 @@ TimeExperiment driven(const DriveLimits& limits, const Drive& u) {
   return TimeExperiment(std::move(record));
 }
 
-Eigen::MatrixXd sensitivities_of(const Model& model, const Experiments& experiments) {
-  const auto columns = sensitivities(model, experiments);
-  Eigen::Index rows = 0;
-  for (const auto& c : columns) rows = std::max(rows, c.size());
-  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(rows, eigen_index(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    if (columns[k].size() == rows) j.col(eigen_index(k)) = columns[k];
-  }
-  return j;
-}
-
 /// rms of the rivals' difference under a drive, less what a refit takes away that the training records
 /// allow: their normal matrix says how firmly they hold the values.
 double told_apart(const Model& model, const Eigen::MatrixXd& held, const TimeExperiment& drive,
                   const std::vector<double>& a, const std::vector<double>& b) {
   Eigen::VectorXd d = as_eigen(a) - as_eigen(b);
   if (model.unknowns().empty()) return d.norm() / std::sqrt(static_cast<double>(d.size()));
-  const Eigen::MatrixXd j = sensitivities_of(model, {drive});
+  const Eigen::MatrixXd j = sensitivities(model, {drive});
   if (j.rows() != d.size()) return 0.0;
   Eigen::MatrixXd normal = gram(j) + held;
   normal.diagonal().array() *= 1.0 + 1e-9;
@@ -179,34 +146,12 @@ std::optional<Rivals> rivals_of(const SearchResult& result, const std::vector<Op
            std::abs(b.high - b.low) * std::abs(a.high + a.low);
   });
   Rivals rivals{{result.final, result.final}, {widest.name + "_low", widest.name + "_high"}};
-  auto values = current_values(result.final);
+  auto values = result.final.values();
   values[widest.unknown] = widest.low;
   rivals.models[0].set_values(values);
   values[widest.unknown] = widest.high;
   rivals.models[1].set_values(values);
   return rivals;
-}
-
-/// How far a drive keeps the rivals apart, whichever of two is refitted.
-struct Apart {
-  double least = std::numeric_limits<double>::infinity();  ///< rms, of the nearest two
-  double told =
-      0.0;  ///< sum over all pairs of the logarithm of standard deviations: a pair that no drive separates decides nothing
-};
-
-Apart apart_under(const Rivals& rivals, const std::vector<Eigen::MatrixXd>& held, const TimeExperiment& drive,
-                  const std::vector<std::vector<double>>& predicted, double noise) {
-  Apart out;
-  const double root = std::sqrt(static_cast<double>(predicted.front().size()));
-  for (std::size_t i = 0; i < rivals.models.size(); ++i) {
-    for (std::size_t j = 0; j < rivals.models.size(); ++j) {
-      if (i == j) continue;
-      const double rms = told_apart(rivals.models[i], held[i], drive, predicted[i], predicted[j]);
-      out.least = std::min(out.least, rms);
-      out.told += std::log1p(rms * root / noise);
-    }
-  }
-  return out;
 }
 
 }  // namespace
@@ -220,31 +165,39 @@ std::optional<NextExperiment> next_experiment(const SearchResult& result,
   const auto limits = limits_of(study.train(), request);
   if (!(limits.high > limits.low)) return std::nullopt;
   std::vector<Eigen::MatrixXd> held;
-  for (const Model& model : rivals->models) held.push_back(gram(sensitivities_of(model, study.train())));
+  for (const Model& model : rivals->models) held.push_back(gram(sensitivities(model, study.train())));
   NextExperiment best;
+  best.step_s = limits.step_s;
+  best.rivals = rivals->names;
   const double noise = std::max(result.train_rms, 1e-300);
-  Apart widest;
-  widest.told = -1.0;
+  const std::size_t count = rivals->models.size();
+  double most_told = -1.0;
   for (auto& [shape, u] : drives(limits)) {
     const auto experiment = driven(limits, u);
     std::vector<std::vector<double>> predicted;
     for (const Model& model : rivals->models) predicted.push_back(bare_output_of(model, experiment));
     const std::size_t samples = u.size();
-    if (std::any_of(predicted.begin(), predicted.end(), [&](const auto& y) { return y.size() != samples; }))
-      continue;
+    if (std::ranges::any_of(predicted, [&](const auto& y) { return y.size() != samples; })) continue;
     // An output as large as what comes: next to one of no size every model seems to run away.
-    const Apart apart =
-        apart_under(*rivals, held, experiment.with_output(predicted.front()), predicted, noise);
-    if (!(apart.told > widest.told)) continue;
-    widest = apart;
+    const auto as_large = experiment.with_output(predicted.front());
+    // rms of the nearest two; and the logarithm of standard deviations over all pairs: one that no drive separates decides nothing.
+    double least = std::numeric_limits<double>::infinity(), told = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < count; ++j) {
+        if (i == j) continue;
+        const double rms = told_apart(rivals->models[i], held[i], as_large, predicted[i], predicted[j]);
+        least = std::min(least, rms);
+        told += std::log1p(rms * std::sqrt(static_cast<double>(samples)) / noise);
+      }
+    }
+    if (!(told > most_told)) continue;
+    most_told = told;
     best.shape = shape;
     best.u = std::move(u);
     best.predicted = std::move(predicted);
+    best.difference_over_noise = least / noise;
   }
   if (best.u.empty()) return std::nullopt;
-  best.step_s = limits.step_s;
-  best.rivals = rivals->names;
-  best.difference_over_noise = widest.least / noise;
   return best;
 }
 

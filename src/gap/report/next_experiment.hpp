@@ -30,7 +30,7 @@ struct OpenParameter {
 };
 
 /// For the last tie of a search, or else the parameter that is most open; nothing when there is neither, or
-/// for frequency responses. Tried are multisines, sweeps, triangles of one and of falling size, and steps, of several
+/// for frequency responses. Tried are multisines, sweeps, triangles and stairs of several
 /// sizes and speeds, within `request` and otherwise the training inputs' range, rate, length and step. The winner keeps the
 /// most pairs of rivals apart by the most standard deviations of the noise that was found, of what no refit within the
 /// parameters' uncertainty takes away, whichever of the two is right.

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
+#include <span>
 
 #include "base/text.hpp"
-#include "chain/model_file.hpp"
+#include "gap/evidence/noise_floor.hpp"
 #include "gap/runner.hpp"
 #include "gap/search_options.hpp"
 #include "numeric/parallel_for.hpp"
@@ -26,8 +26,26 @@ std::vector<double> whole_residual(const Model& model, const FrequencyExperiment
   return e;
 }
 
-std::vector<double> whole_residual(const Model& model, const Experiment& experiment) {
-  return std::visit([&](const auto& kind) { return whole_residual(model, kind); }, experiment);
+/// The first samples that are scored. `split`: those before them belong to the training records.
+std::vector<std::size_t> scoring_starts(const Experiments& experiments,
+                                        const std::vector<std::vector<double>>& residuals, bool split) {
+  std::vector<std::size_t> starts(experiments.size(), 0);
+  for (std::size_t i = 0; i < experiments.size(); ++i) {
+    const auto* time = std::get_if<TimeExperiment>(&experiments[i]);
+    const std::size_t first = time != nullptr ? time->first() : 0;
+    const std::span all = residuals[i];
+    if (first > 0 && (split || rms(all.first(first)) > kOverFloor * rms(all.subspan(first))))
+      starts[i] = first;
+  }
+  return starts;
+}
+
+/// rms of all records together, each from a sample on.
+double pooled_rms(const std::vector<std::vector<double>>& residuals, const std::vector<std::size_t>& from) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < residuals.size(); ++i)
+    all.insert(all.end(), residuals[i].begin() + static_cast<std::ptrdiff_t>(from[i]), residuals[i].end());
+  return rms(all);
 }
 
 }  // namespace
@@ -46,88 +64,51 @@ std::vector<double> whole_residual(const Model& model, const TimeExperiment& exp
   return e;
 }
 
-std::vector<std::span<const double>> GapMeter::residuals(const Model& model, const Experiments& experiments,
-                                                         bool own_lines) const {
-  std::vector<Key> keys;
-  std::map<Key, Model> missing;
-  for (const auto& e : experiments) {
-    Model written = own_lines ? with_lines_of(model, e) : model;
-    keys.emplace_back(chain::model_text(written.chain()), &e);
-    if (residuals_.count(keys.back()) == 0) missing.emplace(keys.back(), std::move(written));
-  }
-  const std::vector<std::pair<Key, Model>> all(missing.begin(), missing.end());
-  std::vector<std::vector<double>> found(all.size());
-  parallel_for(all.size(), allowed_threads(),
-               [&](std::size_t i) { found[i] = whole_residual(all[i].second, *all[i].first.second); });
-  for (std::size_t i = 0; i < all.size(); ++i) residuals_.emplace(all[i].first, std::move(found[i]));
-  std::vector<std::span<const double>> out;
-  for (const auto& key : keys) out.emplace_back(residuals_.at(key));
-  return out;
+WholeResiduals whole_residuals(const Model& model, const Study& study) {
+  const std::size_t count = study.train().size();
+  WholeResiduals all{std::vector<std::vector<double>>(count),
+                     std::vector<std::vector<double>>(study.holdout().size())};
+  const Model written = with_lines_of(model, study.holdout().front());
+  parallel_for(count + study.holdout().size(), allowed_threads(), [&](std::size_t i) {
+    const bool held_out = i >= count;
+    const Experiment& e = held_out ? study.holdout()[i - count] : study.train()[i];
+    auto& residual = held_out ? all.holdout[i - count] : all.train[i];
+    const Model own = held_out ? written : with_lines_of(model, e);
+    residual = std::visit([&](const auto& kind) { return whole_residual(own, kind); }, e);
+  });
+  return all;
 }
 
-std::vector<std::span<const double>> GapMeter::holdout_residuals(const Model& model) const {
-  return residuals(with_lines_of(model, study_.holdout().front()), study_.holdout(), false);
-}
-
-/// `split`: the samples before the scored ones belong to the training records.
-std::vector<std::size_t> GapMeter::scoring_starts(const Model& final, const Experiments& experiments,
-                                                  bool split) const {
-  const auto all = residuals(final, experiments, false);
-  std::vector<std::size_t> starts(experiments.size(), 0);
-  for (std::size_t i = 0; i < experiments.size(); ++i) {
-    const auto* time = std::get_if<TimeExperiment>(&experiments[i]);
-    const std::size_t first = time != nullptr ? time->first() : 0;
-    if (first > 0 &&
-        (split || rms(all[i].first(first)) > SearchOptions().start_stands_out * rms(all[i].subspan(first))))
-      starts[i] = first;
-  }
-  return starts;
-}
-
-/// rms of all records together, from their scoring starts on, and whole.
-std::pair<double, double> GapMeter::pooled_rms(const std::vector<std::span<const double>>& residuals,
-                                               const std::vector<std::size_t>& from) {
-  std::vector<double> scored;
-  std::vector<double> whole;
-  for (std::size_t i = 0; i < residuals.size(); ++i) {
-    scored.insert(scored.end(), residuals[i].begin() + static_cast<std::ptrdiff_t>(from[i]),
-                  residuals[i].end());
-    whole.insert(whole.end(), residuals[i].begin(), residuals[i].end());
-  }
-  return {rms(scored), rms(whole)};
-}
-
-GapMeter::GapMeter(const Study& study, const Model& final)
+GapMeter::GapMeter(const Study& study, const WholeResiduals& final)
     : study_(study),
-      train_from_(scoring_starts(final, study.train(), false)),
-      holdout_from_(scoring_starts(final, study.holdout(), study.split())) {}
+      train_from_(scoring_starts(study.train(), final.train, false)),
+      holdout_from_(scoring_starts(study.holdout(), final.holdout, study.split())) {}
 
-GapSize GapMeter::size(const Model& model) const {
+GapSize GapMeter::size(const WholeResiduals& residuals) const {
+  const std::vector<std::size_t> train_whole(train_from_.size(), 0), holdout_whole(holdout_from_.size(), 0);
   GapSize s;
-  // Training records have lines of their own; the held-out ones are compared with what model.toml holds.
-  std::tie(s.train_rms, s.train_whole_rms) = pooled_rms(residuals(model, study_.train(), true), train_from_);
-  std::tie(s.holdout_rms, s.holdout_whole_rms) = pooled_rms(holdout_residuals(model), holdout_from_);
+  s.train_rms = pooled_rms(residuals.train, train_from_);
+  s.train_whole_rms = pooled_rms(residuals.train, train_whole);
+  s.holdout_rms = pooled_rms(residuals.holdout, holdout_from_);
+  s.holdout_whole_rms = pooled_rms(residuals.holdout, holdout_whole);
   s.holdout_percent_of_range = 100.0 * s.holdout_rms / largest_range(study_.holdout());
   return s;
 }
 
-std::vector<Cell> GapMeter::where(const Model& model) const {
-  const auto all = residuals(model, study_.holdout(), true);
+std::vector<Cell> GapMeter::where(const WholeResiduals& residuals) const {
+  const auto& all = residuals.holdout;
   const auto largest = static_cast<std::size_t>(
-      std::max_element(all.begin(), all.end(), [](auto a, auto b) { return rms(a) < rms(b); }) - all.begin());
+      std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return rms(a) < rms(b); }) -
+      all.begin());
   if (!std::isfinite(rms(all[largest]))) return {};
-  const std::vector<double> residual(all[largest].begin(), all[largest].end());
   const std::size_t from = holdout_from_[largest];
-  return std::visit(Visitor{[&](const TimeExperiment& e) {
-                              return gap::where(e.record(), residual, from,
-                                                find_period(std::span(e.record().u).subspan(from)));
-                            },
-                            [&](const FrequencyExperiment& e) { return gap::where(e.record(), residual); }},
-                    study_.holdout()[largest]);
-}
-
-std::span<const double> GapMeter::holdout_residual(const Model& model, std::size_t record) const {
-  return holdout_residuals(model)[record].subspan(holdout_from_[record]);
+  return std::visit(
+      Visitor{[&](const TimeExperiment& e) {
+                return gap::where(e.record(), all[largest], from,
+                                  find_period(std::span(e.record().u).subspan(from)));
+              },
+              [&](const FrequencyExperiment& e) { return gap::where(e.record(), all[largest]); }},
+      study_.holdout()[largest]);
 }
 
 Experiments GapMeter::holdout() const {
@@ -152,12 +133,13 @@ std::vector<ScoredFrom> GapMeter::scored_from() const {
   return all;
 }
 
-std::vector<ConstantOffset> constant_offsets(const GapMeter& meter, const Model& model, const Study& study) {
+std::vector<ConstantOffset> constant_offsets(const GapMeter& meter, const WholeResiduals& final,
+                                             const Study& study) {
   std::vector<ConstantOffset> out;
   for (std::size_t i = 0; i < study.holdout().size(); ++i) {
     const auto* time = std::get_if<TimeExperiment>(&study.holdout()[i]);
     if (time == nullptr) continue;
-    const auto residual = meter.holdout_residual(model, i);
+    const auto residual = std::span(final.holdout[i]).subspan(meter.holdout_from(i));
     const double middle = mean(residual), whole = rms(residual);
     const double share = middle * middle / (whole * whole);
     if (!(share >= kMostOfGap)) continue;

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "gap/model/model.hpp"
@@ -33,38 +30,32 @@ struct ScoredFrom {
 /// base model that is an InputError: its file is wrong.
 std::vector<double> whole_residual(const Model& model, const TimeExperiment& experiment);
 
+/// The same of every record of a study. Training records have lines of the mains of their own; held-out ones are compared with what
+/// model.toml holds, those of the first of them.
+struct WholeResiduals {
+  std::vector<std::vector<double>> train;
+  std::vector<std::vector<double>> holdout;
+};
+WholeResiduals whole_residuals(const Model& model, const Study& study);
+
 /// Sizes of gaps of one study, all measured over the same samples: from the first one on, unless a record's
 /// start stands out even under the final model.
 class GapMeter {
  public:
-  GapMeter(const Study& study, const Model& final);
+  GapMeter(const Study& study, const WholeResiduals& final);
 
-  GapSize size(const Model& model) const;
+  GapSize size(const WholeResiduals& residuals) const;
   /// Where the gap of the held-out record with the largest gap lies; nowhere when the model runs away on it.
-  std::vector<Cell> where(const Model& model) const;
-  /// y - y_model of one held-out record over the samples that are scored, lines of the mains as size() takes them.
-  std::span<const double> holdout_residual(const Model& model, std::size_t record) const;
+  std::vector<Cell> where(const WholeResiduals& residuals) const;
+  /// The first sample of a held-out record that is scored.
+  std::size_t holdout_from(std::size_t record) const { return holdout_from_[record]; }
   /// The held-out records, their starts scored where the meter scores them.
   Experiments holdout() const;
   /// Time records only.
   std::vector<ScoredFrom> scored_from() const;
 
  private:
-  using Key = std::pair<std::string, const Experiment*>;
-
-  /// Of each record from its first to its last sample, as `simulate` makes it; lines of the mains as that record has them, or as the
-  /// model says. Kept: the same few models are asked for again and again, and some take seconds.
-  std::vector<std::span<const double>> residuals(const Model& model, const Experiments& experiments,
-                                                 bool own_lines) const;
-  /// Of the held-out records, lines of the mains as the first of them has them.
-  std::vector<std::span<const double>> holdout_residuals(const Model& model) const;
-  std::vector<std::size_t> scoring_starts(const Model& final, const Experiments& experiments,
-                                          bool split) const;
-  static std::pair<double, double> pooled_rms(const std::vector<std::span<const double>>& residuals,
-                                              const std::vector<std::size_t>& from);
-
   const Study& study_;
-  mutable std::map<Key, std::vector<double>> residuals_;
   std::vector<std::size_t> train_from_;
   std::vector<std::size_t> holdout_from_;
 };
@@ -80,7 +71,8 @@ struct ConstantOffset {
 };
 
 /// The held-out time records for which that share is at least a half.
-std::vector<ConstantOffset> constant_offsets(const GapMeter& meter, const Model& model, const Study& study);
+std::vector<ConstantOffset> constant_offsets(const GapMeter& meter, const WholeResiduals& final,
+                                             const Study& study);
 
 /// One sentence for a person.
 std::string to_text(const ConstantOffset& offset);

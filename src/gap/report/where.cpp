@@ -72,8 +72,7 @@ void keep_telling(std::vector<Cell>& cells) {
   const auto gain = [](const Cell& c) { return c.share - c.extent; };
   double best = 0.0;
   for (const auto& c : cells) best = std::max(best, gain(c));
-  std::erase_if(cells,
-                [&](const Cell& c) { return gain(c) < std::min(BoundOptions().explained, 0.999 * best); });
+  std::erase_if(cells, [&](const Cell& c) { return gain(c) < std::min(kExplained, 0.999 * best); });
   std::stable_sort(cells.begin(), cells.end(), [&](const Cell& a, const Cell& b) {
     if (std::abs(a.share - b.share) > 1e-12) return a.share > b.share;
     return gain(a) > gain(b);
@@ -142,7 +141,7 @@ Bins harmonic_bins(const std::vector<double>& e, std::size_t period) {
 Bins frequency_bins(const std::vector<double>& e, double step_s) {
   const auto p = periodogram(e, step_s);
   Bins bins;
-  double edge = 0.5 * p.bin_hz;
+  double edge = p.bin_hz / 2.0;
   std::size_t k = 0;
   while (k < p.power.size()) {
     Bin b;

@@ -263,7 +263,7 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
                                ", looked for together, came further than one name after the other");
     other.first = std::move(beam.first);
     beam = std::move(other);
-    if (!left && !could_be_fewer(options, beam.best.model)) return;
+    if (!left && !could_be_fewer(beam.best.model)) return;
   }
 }
 
@@ -283,7 +283,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   grow(setting, beam, true);
   if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
   if (options.max_terms < 2 || options.is_late()) return;
-  if (is_something_left(beam.best.model, beam.records) || could_be_fewer(options, beam.best.model)) {
+  if (is_something_left(beam.best.model, beam.records) || could_be_fewer(beam.best.model)) {
     Beam base;
     base.records = std::move(base_records);
     base.records.set_holds(holds_of(beam.records.train));

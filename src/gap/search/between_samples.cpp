@@ -28,7 +28,7 @@ std::optional<Model> with_smooth_input(const SearchSetting& setting, const Searc
                        .set("damping_ratio", kDamping));
   auto fitted = fit_in_turn(setting, records, std::move(smooth));
   // It takes at least what a name must explain.
-  const double most = (1.0 - setting.options.bounds.explained) * rms_of(model, records.train);
+  const double most = (1.0 - kExplained) * rms_of(model, records.train);
   if (!fitted.usable() || !(rms_of(fitted.model, records.train) < most) ||
       !(log_evidence(fitted.model, records.train) > log_evidence(model, records.train) - log_share_of_name()))
     return std::nullopt;

@@ -20,7 +20,7 @@ constexpr int kHops = 20;
 
 /// The proposal's model with its term at one of its starts, and other unknowns as they stand.
 Model with_term_at(const Proposal& proposal, std::size_t start) {
-  auto values = current_values(proposal.model);
+  auto values = proposal.model.values();
   const auto& own = proposal.starts[start];
   std::copy(own.begin(), own.end(), values.end() - static_cast<std::ptrdiff_t>(own.size()));
   Model model = proposal.model;
@@ -31,10 +31,9 @@ Model with_term_at(const Proposal& proposal, std::size_t start) {
 /// A few steps from each of the term's best starts: the best.
 std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchRecords& records,
                                      const Promising& p) {
-  const auto options = fit_options(setting.options, setting.options.few_iterations);
-  const auto& round = setting.options.round;
-  const std::size_t tries = p.proposal.term().unknowns.size() < round.many_unknowns ? round.followed : 1;
+  const auto options = few_steps(setting.options);
   std::optional<FittedModel> best;
+  const std::size_t tries = p.proposal.term().unknowns.size() > 2 * kFew ? 1 : kFew;
   for (std::size_t t = 0; t < std::min(tries, p.best_starts.size()); ++t) {
     if (setting.options.is_late() && best) break;
     auto fitted = fit(with_term_at(p.proposal, p.best_starts[t]), records.look(), options);
@@ -47,7 +46,7 @@ std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchR
 std::optional<double> least_around(const FittedModel& now, const Experiments& look, std::size_t at,
                                    const Unknown& u) {
   Runner runner(now.model, look);
-  auto values = current_values(now.model);
+  auto values = now.model.values();
   const double middle = values[at];
   double least = now.rms;
   std::optional<double> best;
@@ -64,12 +63,12 @@ std::optional<double> least_around(const FittedModel& now, const Experiments& lo
 /// Values that a fit cannot slide along, tried around where it ended, then fitted on.
 void comb(const SearchSetting& setting, const SearchRecords& records, FittedModel& now) {
   const auto unknowns = now.model.unknowns();
-  const auto options = fit_options(setting.options, setting.options.iterations);
+  const auto options = fit_options(setting.options);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (!unknowns[at].moves_edges() || setting.options.is_late()) continue;
     const auto better = least_around(now, records.look(), at, unknowns[at]);
     if (!better) continue;
-    auto moved = current_values(now.model);
+    auto moved = now.model.values();
     moved[at] = *better;
     Model model = now.model;
     model.set_values(moved);
@@ -81,8 +80,8 @@ void comb(const SearchSetting& setting, const SearchRecords& records, FittedMode
 /// On to the end.
 Ranked ended_fit(const SearchSetting& setting, const SearchRecords& records, const Promising& candidate,
                  FittedModel now, double leader) {
-  if (!setting.options.is_late() && now.rms <= setting.options.round.far_behind * leader) {
-    auto fitted = fit(now.model, records.look(), fit_options(setting.options, setting.options.iterations));
+  if (!setting.options.is_late() && now.rms <= kFarBehind * leader) {
+    auto fitted = fit(now.model, records.look(), fit_options(setting.options));
     if (fitted.usable() && fitted.rms <= now.rms) now = std::move(fitted);
     comb(setting, records, now);
   }

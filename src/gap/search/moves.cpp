@@ -19,14 +19,14 @@ double explained(double before, double after) {
 }
 
 /// First names for pairs: the best of every effect.
-std::vector<Ranked> firsts_among(const SearchSetting& setting, std::vector<Ranked> ranking) {
+std::vector<Ranked> firsts_among(std::vector<Ranked> ranking) {
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
   std::set<const Effect*> seen;
   std::erase_if(ranking, [&](const Ranked& r) {
     return r.outcome == CandidateOutcome::no_name || !seen.insert(r.effect).second;
   });
-  if (ranking.size() > setting.options.round.effects) ranking.resize(setting.options.round.effects);
+  if (ranking.size() > kEffectsOfRound) ranking.resize(kEffectsOfRound);
   return ranking;
 }
 
@@ -45,7 +45,7 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  if (all.size() > options.round.pairs) all.resize(options.round.pairs);
+  if (all.size() > 2 * kEffectsOfRound) all.resize(2 * kEffectsOfRound);
   std::vector<Promising> seconds;
   for (auto& each : all) seconds.push_back(std::move(each.second));
   return seconds;
@@ -56,8 +56,7 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
 bool matters(const SearchSetting& setting, const SearchRecords& records, const Model& without,
              double rms_with) {
   const double before = rms_of(without, records.train);
-  return explained(before, rms_with) >=
-         setting.options.bounds.explained * std::sqrt(before * setting.first_gap);
+  return explained(before, rms_with) >= kExplained * std::sqrt(before * setting.first_gap);
 }
 
 bool term_is_no_name(const Model& model, std::size_t term, const Experiments& train) {
@@ -92,22 +91,21 @@ const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records
   return winner;
 }
 
-bool could_be_fewer(const SearchOptions& options, const Model& model) {
+bool could_be_fewer(const Model& model) {
   const auto& terms = model.terms();
-  return terms.size() > 2 || std::any_of(terms.begin(), terms.end(), [&](const Term& term) {
-           return term.unknowns.size() >= options.round.many_unknowns;
-         });
+  return terms.size() > 2 || std::any_of(terms.begin(), terms.end(),
+                                         [](const Term& term) { return term.unknowns.size() > kFew; });
 }
 
 std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
                                                   const std::vector<Ranked>& first) {
-  const auto firsts = firsts_among(setting, first);
+  const auto firsts = firsts_among(first);
   const auto seconds = second_names(setting, records, firsts);
   if (seconds.empty() || setting.options.is_late()) return {};
   std::vector<std::pair<Ranked, Ranked>> pairs;
   std::set<std::set<const Effect*>> names;
   for (const auto& r : fit_chosen(setting, records, seconds)) {
-    if (pairs.size() >= setting.options.round.followed) break;
+    if (pairs.size() >= kFew) break;
     if (!std::isfinite(r.log_evidence) || r.outcome == CandidateOutcome::no_name) continue;
     const auto* own = r.model.terms()[r.model.terms().size() - 2].effect;
     const auto alone =

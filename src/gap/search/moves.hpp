@@ -8,7 +8,7 @@
 
 namespace bodesmith::gap {
 
-/// Whether what a term takes is of use: of what is left without it, and of the gap (BoundOptions).
+/// Whether what a term takes is of use: of what is left without it, and of the gap (kExplained).
 bool matters(const SearchSetting& setting, const SearchRecords& records, const Model& without,
              double rms_with);
 
@@ -20,7 +20,7 @@ const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records
                       std::vector<Ranked>& ranking);
 
 /// More than two names, or one of many unknowns: two may do as well.
-bool could_be_fewer(const SearchOptions& options, const Model& model);
+bool could_be_fewer(const Model& model);
 
 /// Two effects that hide each other: of what each effect promises alongside each of the first names, the best fitted. Greatest
 /// evidence first, each two names once.

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "gap/evidence/noise_floor.hpp"
 #include "gap/runner.hpp"
 #include "signal/statistics.hpp"
 
@@ -24,12 +25,13 @@ int starts_left_out(SearchRecords& records) {
 /// Whether the residual of a whole record is plainly larger at its start than in the rest.
 bool stands_out_at_start(const SearchOptions& options, const Model& model, const TimeExperiment& record) {
   const std::size_t start = record.start();
+  if (options.all_starts_scored) return false;
   TimeExperiment whole(record);
   whole.score_start();
   const auto all = residuals_of(model, {whole});
   const std::span residual = all;
   if (residual.size() <= start) return false;
-  return rms(residual.first(start)) > options.start_stands_out * rms(residual.subspan(start));
+  return rms(residual.first(start)) > kOverFloor * rms(residual.subspan(start));
 }
 
 }  // namespace

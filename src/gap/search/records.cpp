@@ -10,6 +10,9 @@
 namespace bodesmith::gap {
 namespace {
 
+/// Of a fit. With 30 flat forms (a fractional order, a spectrum of relaxations) end before their least and are taken for each other; twice as
+/// many take as much longer.
+constexpr int kIterations = 40;
 /// Beyond them the search would take longer than it may.
 constexpr std::size_t kMostHolds = 8;
 
@@ -42,24 +45,30 @@ std::size_t enough_holds(const Model& model, const Experiments& train) {
     std::vector<double> finer = residuals(2 * holds);
     if (now.size() != finer.size()) break;
     for (std::size_t i = 0; i < now.size(); ++i) now[i] -= finer[i];
-    if (!(rms(now) > BoundOptions().explained * rms(finer))) break;
+    if (!(rms(now) > kExplained * rms(finer))) break;
     now = std::move(finer);
   }
   return holds;
 }
 
-LeastSquaresOptions fit_options(const SearchOptions& options, int iterations) {
+LeastSquaresOptions fit_options(const SearchOptions& options) {
   LeastSquaresOptions o;
-  o.max_iterations = iterations;
+  o.max_iterations = kIterations;
   o.stop = [&options] { return options.is_late(); };
+  return o;
+}
+
+LeastSquaresOptions few_steps(const SearchOptions& options) {
+  LeastSquaresOptions o = fit_options(options);
+  o.max_iterations = static_cast<int>(kFew);
   return o;
 }
 
 FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model) {
   const auto& options = setting.options;
-  auto rough = fit(std::move(model), records.look(), fit_options(options, options.iterations));
+  auto rough = fit(std::move(model), records.look(), fit_options(options));
   if (!records.are_long()) return rough;
-  return fit(std::move(rough.model), records.train, fit_options(options, options.few_iterations));
+  return fit(std::move(rough.model), records.train, few_steps(options));
 }
 
 }  // namespace bodesmith::gap

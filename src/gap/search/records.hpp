@@ -37,7 +37,9 @@ SearchRecords make_records(const Experiments& train, const StretchOptions& optio
 /// between samples in front of something fast.
 std::size_t enough_holds(const Model& model, const Experiments& train);
 
-LeastSquaresOptions fit_options(const SearchOptions& options, int iterations);
+LeastSquaresOptions fit_options(const SearchOptions& options);
+/// A few steps alone.
+LeastSquaresOptions few_steps(const SearchOptions& options);
 
 /// Fits on the stretches first when the records are long, then on the training records.
 FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model);

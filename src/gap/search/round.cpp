@@ -11,14 +11,15 @@
 #include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
+#include "gap/signs/chance.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-/// Of a name whose values are usually another effect's traces (Effect::is_implausible): one in twenty thousand.
-constexpr double kLogImplausible = -10.0;
+/// Share of the residual's energy that a proposal must promise to be fitted: half of what it must take in the end.
+constexpr double kLeastPromise = kLeastShare / 2.0;
 
 /// Twice the same is one term with more freedom than it says.
 bool repeats_earlier_term(const Proposal& proposal, bool in_response) {
@@ -58,12 +59,12 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
 }
 
 /// The best places of each of the best effects.
-std::vector<Promising> best_of(std::vector<Promising> promising, const SearchOptions& options) {
+std::vector<Promising> best_of(std::vector<Promising> promising) {
   std::map<const Effect*, std::size_t> places;
   std::erase_if(promising, [&](const Promising& p) {
     const auto* effect = p.proposal.term().effect;
-    const bool full = places.size() >= options.round.effects && places.count(effect) == 0;
-    return p.score < options.bounds.min_promise() || full || ++places[effect] > options.round.places;
+    const bool full = places.size() >= kEffectsOfRound && places.count(effect) == 0;
+    return p.score < kLeastPromise || full || ++places[effect] > kFew;
   });
   return promising;
 }
@@ -72,10 +73,10 @@ std::vector<Promising> best_of(std::vector<Promising> promising, const SearchOpt
 void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& records,
                         std::vector<Ranked>& ranking) {
   const auto& options = setting.options;
-  const std::size_t leaders = std::min(options.round.followed, ranking.size());
+  const std::size_t leaders = std::min(kFew, ranking.size());
   parallel_for(leaders, options.threads, [&](std::size_t i) {
     if (options.is_late()) return;
-    auto fitted = fit(ranking[i].model, records.train, fit_options(options, options.few_iterations));
+    auto fitted = fit(ranking[i].model, records.train, few_steps(options));
     if (!fitted.usable()) return;
     ranking[i].model = std::move(fitted.model);
     ranking[i].train_rms = rms_of(ranking[i].model, records.train);
@@ -91,8 +92,9 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
     without.remove(last);
     const auto scene = make_scene(without, records.train);
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
+    // Values that are usually another effect's traces: as seldom as a sign by chance.
     if (r.effect->is_implausible(r.model))
-      r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogImplausible);
+      r.model.set_log_prior(last, r.model.terms().back().log_prior - kLogDeviations);
   });
   double best = std::numeric_limits<double>::infinity();
   for (const auto& r : ranking) {
@@ -100,7 +102,7 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
   }
   parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
     auto& r = ranking[i];
-    if (r.outcome != CandidateOutcome::no_name && r.train_rms <= setting.options.round.far_behind * best)
+    if (r.outcome != CandidateOutcome::no_name && r.train_rms <= kFarBehind * best)
       r.log_evidence = log_evidence(r.model, records.train);
   });
 }
@@ -130,7 +132,7 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   const auto& options = setting.options;
   FittedRound round;
   std::set<std::string_view> missed;
-  const auto chosen = best_of(look_from(setting, records, model, missed), options);
+  const auto chosen = best_of(look_from(setting, records, model, missed));
   if (options.stopped()) return {};
   auto fitted = fit_candidates(setting, records, chosen);
   for (std::size_t i = 0; i < fitted.size(); ++i) {

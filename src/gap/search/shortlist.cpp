@@ -46,7 +46,7 @@ double moved_value(const Unknown& u, double value) {
 std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments& records,
                                      const PresentModel& present) {
   Runner runner(proposal.model, records);
-  auto values = current_values(proposal.model);
+  auto values = proposal.model.values();
   const auto& unknowns = proposal.term().unknowns;
   const std::size_t first = values.size() - unknowns.size();
   std::vector<double> out;
@@ -55,13 +55,12 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
     std::copy(proposal.starts[start].begin(), proposal.starts[start].end(),
               values.begin() + static_cast<std::ptrdiff_t>(first));
     if (!runner(values, out)) return std::nullopt;
-    const Vector here = as_eigen(out);
     Directions more = present.known;
-    more.add(to_vector(here - as_eigen(present.residuals)));
+    more.add(to_vector(as_eigen(out) - as_eigen(present.residuals)));
     for (std::size_t k = 0; further && k < unknowns.size(); ++k) {
       auto other = values;
       other[first + k] = moved_value(unknowns[k], values[first + k]);
-      if (runner(other, moved)) more.add(to_vector(as_eigen(moved) - here));
+      if (runner(other, moved)) more.add(to_vector(as_eigen(moved) - as_eigen(out)));
     }
     double along = 0.0;
     for (std::size_t d = present.known.all().size(); d < more.all().size(); ++d)
@@ -77,8 +76,8 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
   }
   const auto by_score = [](const StartScore& a, const StartScore& b) { return a.score > b.score; };
   std::stable_sort(scores.begin(), scores.end(), by_score);
-  const std::size_t followed = std::min(RoundOptions().followed, scores.size());
-  for (auto& one : std::span(scores).first(followed)) one = scored(one.start, true).value_or(one);
+  for (auto& one : std::span(scores).first(std::min(kFew, scores.size())))
+    one = scored(one.start, true).value_or(one);
   std::stable_sort(scores.begin(), scores.end(), by_score);
   // The second fit begins where least is left: it cannot lose its way, and what moves edges across samples has no direction in which it
   // could slide.
@@ -100,9 +99,8 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   if (out.empty()) return all;
   PresentModel present;
   present.residuals = out;
-  for (const auto& column : sensitivities(model, look)) {
-    if (column.size() > 0) present.known.add(to_vector(column));
-  }
+  const Eigen::MatrixXd columns = sensitivities(model, look);
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) present.known.add(to_vector(columns.col(k)));
   present.known.take_out(out);
   present.unexplained = as_eigen(out);
   present.unexplained_energy = present.unexplained.squaredNorm();

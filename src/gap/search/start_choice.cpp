@@ -50,10 +50,10 @@ SearchResult search_all(const chain::Chain& base, const Experiments& train, cons
   auto found = search(base, train, options);
   if (found.stopped || found.late) return found;
   const Tried first = tried(found.final, train, options);
-  const double enough = first.rms / options.contradicts;
+  const double enough = first.rms / kFarMore;
   if (first.explains || !(found.train_rms < enough)) return found;
   SearchOptions scored = options;
-  scored.start_stands_out = std::numeric_limits<double>::infinity();
+  scored.all_starts_scored = true;
   auto again = search(base, train, scored);
   if (again.stopped || again.steps.empty()) return found;
   const Tried second = tried(again.final, train, options);

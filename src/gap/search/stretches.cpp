@@ -65,7 +65,7 @@ bool is_settled_in(const TimeExperiment& stretch, const Part& part, const TimeRe
     difference += std::pow(own[i - part.begin] - whole[i], 2);
     left += std::pow(record.y[i] - whole[i], 2);
   }
-  return difference <= std::pow(BoundOptions().explained, 2) * left;
+  return difference <= kLeastShare * left;
 }
 
 }  // namespace

@@ -47,7 +47,6 @@ struct Autoregression {
 };
 
 Autoregression autoregression_of(const std::vector<Eigen::MatrixXd>& series) {
-  constexpr double kRidge = 1e-9;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kMemory, kMemory);
   Eigen::VectorXd along = Eigen::VectorXd::Zero(kMemory);
   for (const auto& x : series) {
@@ -57,7 +56,7 @@ Autoregression autoregression_of(const std::vector<Eigen::MatrixXd>& series) {
     information += gram(earlier);
     along += transpose_times(earlier, x.col(0).tail(n));
   }
-  information.diagonal().array() += kRidge * information.trace();
+  information.diagonal().array() += kLeastRest * kLeastRest * information.trace();  // rounding
   Autoregression noise{solve_ldlt(information, along), 0.0};
   noise.variance = stacked(series, noise.memory).col(0).array().square().mean();
   return noise;

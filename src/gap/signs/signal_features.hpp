@@ -10,7 +10,6 @@ namespace bodesmith::gap {
 struct SignalScales {
   double middle_y = 0.0;
   double size_y = 0.0;
-  double size_v = 0.0;  ///< of the output's slope
   double middle_u = 0.0;
   double size_u = 0.0;
   std::size_t eighth_of_period = 1;  ///< samples, of the output's mean frequency in the quickest record
@@ -18,7 +17,7 @@ struct SignalScales {
 SignalScales signal_scales(const std::vector<Leftover>& records);
 
 /// Features of signals from which a missing effect could be predicted: samples by features, each column of
-/// zero mean. Powers of value and slope, the input's branch, ends of the range, earlier inputs and outputs, plays, slow
+/// zero mean. Curves of the output, its change, the input's branch, earlier inputs and outputs, plays, slow
 /// averages.
 Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scales);
 

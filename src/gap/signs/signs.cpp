@@ -32,8 +32,7 @@ std::string to_string(SignKind kind) {
                                  "the gain varies with time",
                                  "neighbouring frequencies err alike",
                                  "single frequencies err far more than those around them",
-                                 "the response depends on the drive",
-                                 "so many curves or modes were named that they are one of another form"};
+                                 "the response depends on the drive"};
   return kWords.at(static_cast<std::size_t>(kind));
 }
 

@@ -23,7 +23,6 @@ enum class SignKind {
   smooth_over_frequency,
   stands_apart,
   depends_on_amplitude,  ///< of responses at several drives
-  many_of_a_kind,        ///< of what was named
 };
 /// For a person: "the residual jumps", ...
 std::string to_string(SignKind kind);
@@ -44,8 +43,7 @@ Sign depends_on_signals(const std::vector<Leftover>& records);
 /// A line stands in the spectrum, narrower and higher than noise makes them.
 Sign spectral_line(const Leftover& record);
 
-/// The residual jumps once or a few times, far beyond its usual changes from sample to sample, or between means of a few
-/// samples far beyond what chance does.
+/// The residual jumps: means of a few samples on both sides of an instant differ far more than elsewhere.
 Sign jumps(const Leftover& record);
 
 /// The residual is a slowly changing multiple of the output: a gain that varies with time.

@@ -11,14 +11,13 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Neighbours begin beyond the width of the periodogram's window, and are so many to each side.
+/// Neighbours begin beyond the width of the periodogram's window.
 constexpr std::size_t kWindowBins = 4;
-constexpr std::size_t kReach = 12;
 
 /// What the energy of one point of noise over the mean of so many reaches as seldom as the other signs: (1 + x/n)^-n of them is greater
 /// than x.
 const double kStandsApart =
-    static_cast<double>(kReach) * std::expm1(kLogDeviations / static_cast<double>(kReach));
+    static_cast<double>(kNeighbours) * std::expm1(kLogDeviations / static_cast<double>(kNeighbours));
 
 /// Level around bin k: the larger of the means to both sides, so that a slope does not count. Nothing near the ends.
 std::optional<double> level_around(const std::vector<double>& power, std::size_t k) {
@@ -26,7 +25,7 @@ std::optional<double> level_around(const std::vector<double>& power, std::size_t
   double above = 0.0;
   std::size_t counted_below = 0;
   std::size_t counted_above = 0;
-  for (std::size_t d = kWindowBins; d < kWindowBins + kReach; ++d) {
+  for (std::size_t d = kWindowBins; d < kWindowBins + kNeighbours; ++d) {
     if (k >= d + 1) {
       below += power[k - d];
       ++counted_below;

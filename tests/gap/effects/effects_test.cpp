@@ -115,7 +115,7 @@ std::vector<double> output_of(const gap::Model& model, const TimeRecord& record)
 }
 
 void set_term(gap::Model& model, const std::vector<double>& start) {
-  auto values = gap::current_values(model);
+  auto values = model.values();
   std::copy(start.begin(), start.end(), values.end() - static_cast<std::ptrdiff_t>(start.size()));
   model.set_values(values);
 }
@@ -390,7 +390,7 @@ TEST(Effects, ALoopWithoutWidthIsNoName) {
     // Both bend by .05 x^2; they part by loop x^2.
     return Judged("asymmetric_hysteresis", false, {0.0, 0.05 + loop, 0.0, 0.0, 0.05 - loop, 0.0}).no_name();
   };
-  const double least = gap::BoundOptions().explained;
+  const double least = gap::kExplained;
   EXPECT_TRUE(branches(0.05 * 0.98 * least));
   EXPECT_FALSE(branches(0.05 * 1.02 * least));
   EXPECT_FALSE(branches(-0.05 * 1.02 * least));
@@ -415,7 +415,7 @@ TEST(Effects, AStopOfEvenHalvesIsNoName) {
   const auto stop = [](double above, double below) {
     return Judged("asymmetric_hysteresis", false, {0.2, above, below}).no_name();
   };
-  const double least = gap::BoundOptions().explained;
+  const double least = gap::kExplained;
   EXPECT_TRUE(stop(0.3 * (1.0 + 0.98 * least), 0.3 * (1.0 - 0.98 * least)));
   EXPECT_FALSE(stop(0.3 * (1.0 + 1.02 * least), 0.3 * (1.0 - 1.02 * least)));
   EXPECT_FALSE(stop(0.3, 0.6));
@@ -426,7 +426,7 @@ TEST(Effects, EvenRatesAreNoName) {
   const auto loop = [](double skew) {
     return Judged("asymmetric_hysteresis", false, {0.1, 2.0, skew, 0.0, 1.0}).no_name();
   };
-  const double least = gap::BoundOptions().explained;
+  const double least = gap::kExplained;
   EXPECT_TRUE(loop(0.98 * least));
   EXPECT_FALSE(loop(1.02 * least));
   EXPECT_FALSE(loop(-1.02 * least));

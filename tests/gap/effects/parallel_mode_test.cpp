@@ -79,7 +79,7 @@ TEST(ParallelModesInResponse, AModeTakenOutLeavesTheOthersWhereTheyAre) {
   ASSERT_EQ(model.terms().size(), 2U);
   const double hz = model.terms()[1].unknowns[0].value;
   model.remove(0);
-  model.set_values(gap::current_values(model));
+  model.set_values(model.values());
   const auto blocks = model.chain().blocks;
   ASSERT_EQ(blocks.size(), 2U);
   double sum = 0.0;
@@ -127,7 +127,7 @@ struct WithModes {
       std::vector<gap::Proposal> proposals;
       gap::effect_registry().get("parallel_mode").propose(gap::make_scene(model, train), proposals);
       model = proposals.front().model;
-      auto all = gap::current_values(model);
+      auto all = model.values();
       std::copy(values.begin(), values.end(), all.end() - 3);
       model.set_values(all);
     }

@@ -70,9 +70,9 @@ TEST(TwoNames, AConstantAndALineThatExplainNothingAlone) {
   const auto d = diagnosed(kResonator,
                            kResonator + "[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = -0.03\n" +
                                "[[block]]\ntype = \"drift\"\nrate_per_s = 0.33\n",
-                           0.003);
+                           0.002);
   EXPECT_EQ(names_of(d), (std::set<std::string>{"drift", "offset"}));
-  EXPECT_LT(d.final.train_rms, 1.1 * 0.003);
+  EXPECT_LT(d.final.train_rms, 1.1 * 0.002);
 }
 
 // The delay takes four fifths of what the drift leaves, and less than a twelfth of the first gap.

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "gap/evidence/noise_floor.hpp"
 #include "gap/made_model.hpp"
 
 namespace {
@@ -33,7 +34,7 @@ bool is_left_out(const gap::Experiment& one) {
 TEST(RecordStarts, AreLeftOutOnceWhereTheyStandOut) {
   const gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 1.0\n"));
   const gap::SearchOptions options;
-  const double limit = options.start_stands_out;
+  const double limit = gap::kOverFloor;
   gap::SearchRecords records{
       {off_at_start(0.99 * limit), off_at_start(1.01 * limit), off_at_start(1.01 * limit, 0)}, {}};
   EXPECT_TRUE(gap::leave_out_wrong_starts(options, records, model));

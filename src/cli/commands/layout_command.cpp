@@ -83,9 +83,10 @@ std::string layout_summary(const generator::DisturbanceCircuit& layout, const ge
                                  layout.generator_multipliers(), layout.multiplier.name, layout.opamps.size(),
                                  rounded_text(layout.branch_gain));
   for (const generator::Candidate& one : layout.candidates) {
-    text += fmt::format("{} {}: {} multipliers ({} in series), {} op-amps, {} of range rms, {}Hz\n",
-                        one.chosen ? "*" : " ", one.name, one.multipliers, one.depth, one.opamps,
-                        percent(one.rss_percent), engineering_text(one.bandwidth.value, ""));
+    text += fmt::format(
+        "{} {}: {} multipliers ({} in series), {} op-amps, {} of range rms with exact resistors, {}Hz\n",
+        one.chosen ? "*" : " ", one.name, one.multipliers, one.depth, one.opamps, percent(one.rss_percent),
+        engineering_text(one.bandwidth.value, ""));
   }
   for (const generator::Branch& branch : layout.branches) {
     text +=

@@ -1,36 +1,17 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
-#include <vector>
 
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
-#include "signal/periodogram.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 /// Slow cosines of which the gain is made, the constant aside.
 constexpr auto kCosines = static_cast<Eigen::Index>(kNeighbours);
-
-/// Surrogates (same spectrum, random phases) of a residual that chance is taken from; of fewer the limit itself is left to chance.
-constexpr std::uint64_t kSurrogates = 24;
-
-/// Beyond what a figure of a residual reaches on its surrogates.
-template <class Figure>
-double chance_limit(const std::vector<double>& residual, Figure figure) {
-  double sum = 0.0;
-  double squares = 0.0;
-  for (std::uint64_t k = 0; k < kSurrogates; ++k) {
-    const double reached = figure(phase_surrogate(residual, k));
-    sum += reached / kSurrogates;
-    squares += reached * reached / kSurrogates;
-  }
-  return sum + kDeviations * std::sqrt(std::max(0.0, squares - sum * sum));
-}
 
 Eigen::VectorXd less_mean(const std::vector<double>& v) {
   const auto e = as_eigen(v);

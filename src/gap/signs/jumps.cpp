@@ -4,24 +4,31 @@
 
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
+namespace {
 
-Sign jumps(const Leftover& record) {
-  const std::vector<double>& v = record.residual;
+/// Largest difference between the means of kNeighbours samples on both sides of an instant, over the root mean square of all.
+double plainest_step(const std::vector<double>& v) {
+  constexpr std::size_t n = kNeighbours;
   std::vector<double> sum(v.size() + 1, 0.0);
   for (std::size_t i = 0; i < v.size(); ++i) sum[i + 1] = sum[i] + v[i];
-  // Differences between means over kNeighbours samples on both sides of an instant, but for a factor.
-  std::vector<double> steps;
-  for (std::size_t i = kNeighbours; i + kNeighbours <= v.size(); ++i)
-    steps.push_back(std::abs(sum[i + kNeighbours] - 2.0 * sum[i] + sum[i - kNeighbours]));
-  if (steps.empty()) return {SignKind::jumps, 0.0};
-  const double largest = *std::max_element(steps.begin(), steps.end());
-  // Noise of any colour has them normal: half of them lie within .6745 deviations, and the square of the largest of n about 2 ln n above.
-  const double deviation = std::max(median(steps) / 0.6745, 1e-300);
-  const double limit = std::sqrt(2.0 * (std::log(static_cast<double>(steps.size())) + kLogDeviations));
-  return {SignKind::jumps, largest / deviation / limit};
+  double largest = 0.0;
+  double squares = 0.0;
+  for (std::size_t i = n; i + n <= v.size(); ++i) {
+    const double step = sum[i + n] - 2.0 * sum[i] + sum[i - n];
+    largest = std::max(largest, std::abs(step));
+    squares += step * step;
+  }
+  return squares > 0.0 ? largest / std::sqrt(squares / static_cast<double>(v.size() + 1 - 2 * n)) : 0.0;
+}
+
+}  // namespace
+
+/// Chance is taken from surrogates, whose steps are as high as the record's are on the whole: a few edges in the wrong place, of a clock
+/// that is named, are no jumps.
+Sign jumps(const Leftover& record) {
+  return {SignKind::jumps, plainest_step(record.residual) / chance_limit(record.residual, plainest_step)};
 }
 
 }  // namespace bodesmith::gap

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "gap/evidence/noise_floor.hpp"
+#include "gap/search_options.hpp"
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signal_features.hpp"
 #include "gap/signs/signs.hpp"

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "gap/search_options.hpp"
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
 #include "numeric/index.hpp"

@@ -3,6 +3,7 @@
 #include <numeric>
 #include <optional>
 
+#include "gap/search_options.hpp"
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
 #include "signal/periodogram.hpp"

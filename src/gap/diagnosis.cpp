@@ -51,6 +51,7 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, co
   const auto result = held_by(model, train);
   const double inflation =
       result.residuals.size() > 0 ? std::sqrt(correlation_time(to_vector(result.residuals))) : 1.0;
+  const auto lines = model.line_blocks();
   std::vector<std::vector<FoundParameter>> all;
   std::size_t at = model.free_count();
   for (const auto& term : model.terms()) {
@@ -64,8 +65,8 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, co
       ++at;
     }
     for (int id : term.blocks) {
+      if (std::ranges::count(lines, id) == 0) continue;
       const auto& line = model.at(model.position_of(id));
-      if (line.type().name() != "hum") continue;
       for (const char* key : {"amplitude", "phase_deg"})
         parameters.push_back({key, line.get(key), line.get(key), line.get(key)});
     }

@@ -96,7 +96,10 @@ exchange::Exportable load_exportable(const CommandLine& line, const std::string&
   exchange::Exportable out;
   out.source = file;
   if (is_design(file)) {
-    const ResponseSource source = load_response(file, {as_it_runs(line), ""}, from);
+    const bool runs = as_it_runs(line);
+    if (writer.rebuilds_chains() && !runs)
+      line.fail("--without-holds is for responses; what is rebuilt of a plan is the board as it runs");
+    const ResponseSource source = load_response(file, {runs, ""}, from);
     out.sections = source.sections;
     FrequencyRecord record;
     record.file = file;
@@ -104,11 +107,7 @@ exchange::Exportable load_exportable(const CommandLine& line, const std::string&
     record.response = source.response(record.frequency);
     out.response = std::move(record);
     out.name = exchange::identifier(source.stem);
-    if (writer.rebuilds_chains() && is_own_document(file)) {
-      if (!as_it_runs(line))
-        line.fail("--without-holds is for responses; what is rebuilt of a plan is the board as it runs");
-      add_chain(file, out);
-    }
+    if (writer.rebuilds_chains() && is_own_document(file)) add_chain(file, out);
     return out;
   }
   for (const char* option : {"from-hz", "to-hz", "count"}) {

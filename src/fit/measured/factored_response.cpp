@@ -16,16 +16,6 @@ Complex factor_value(const Factor& f, Complex s) {
   return f.pair ? s * s + 2.0 * f.damping * f.frequency * s + f.frequency * f.frequency : s + f.frequency;
 }
 
-/// Roots in pairs and alone as factors; two real roots make a pair too, so that they may meet and part.
-std::vector<Factor> factors_of(const std::vector<Complex>& roots) {
-  std::vector<Factor> out;
-  for (const Complex& r : roots) {
-    if (r.imag() > 0.0) out.push_back({true, std::abs(r), -r.real() / std::abs(r)});
-    if (r.imag() == 0.0) out.push_back({false, -r.real(), 1.0});
-  }
-  return out;
-}
-
 int count_roots(const std::vector<Factor>& factors) {
   int count = 0;
   for (const Factor& f : factors) count += f.pair ? 2 : 1;
@@ -141,6 +131,16 @@ std::vector<Complex> FactoredResponse::Factor::roots() const {
   }
   const double large = -frequency * (damping + std::copysign(std::sqrt(-rest), damping));
   return {{large, 0.0}, {frequency * (frequency / large), 0.0}};
+}
+
+/// A pair may become two real roots, so that they may meet and part.
+std::vector<Factor> FactoredResponse::factors_of(const std::vector<Complex>& roots) {
+  std::vector<Factor> out;
+  for (const Complex& r : roots) {
+    if (r.imag() > 0.0) out.push_back({true, std::abs(r), -r.real() / std::abs(r)});
+    if (r.imag() == 0.0) out.push_back({false, -r.real(), 1.0});
+  }
+  return out;
 }
 
 FactoredResponse FactoredResponse::of(const RationalRoots& roots, double largest_s, double reach) {

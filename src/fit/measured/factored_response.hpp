@@ -34,6 +34,8 @@ struct FactoredResponse {
   double cost = 0.0;        ///< sum of |error/deviation|^2
   bool converged = false;
 
+  /// Conjugate pairs (of which the upper root counts) and single roots, in their order.
+  static std::vector<Factor> factors_of(const std::vector<std::complex<double>>& roots);
   /// Zeros farther out than `reach` times the largest |s| are folded into the gain.
   static FactoredResponse of(const RationalRoots& roots, double largest_s, double reach);
   int pole_count() const;

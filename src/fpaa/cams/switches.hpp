@@ -1,9 +1,9 @@
-
-#include "fpaa/device/board.hpp"
 #pragma once
 
 #include <string>
 #include <vector>
+
+#include "fpaa/device/board.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -141,7 +141,7 @@ Bins harmonic_bins(const std::vector<double>& e, std::size_t period) {
 Bins frequency_bins(const std::vector<double>& e, double step_s) {
   const auto p = periodogram(e, step_s);
   Bins bins;
-  double edge = p.bin_hz / 2.0;
+  double edge = 0.5 * p.bin_hz;
   std::size_t k = 0;
   while (k < p.power.size()) {
     Bin b;

@@ -43,17 +43,10 @@ std::vector<const fpaa::PlacedCam*> cams_in_series(const fpaa::PlanGraph& graph)
 /// c0 + c1/z + c2/z^2 under 1/z = (2 fc - s)/(2 fc + s), times (2 fc + s)^degree; s in units of `unit`.
 std::vector<Factor> bilinear_factors(const std::vector<double>& c, std::size_t degree, double two_clocks) {
   const auto at = [&](std::size_t i) { return i < c.size() ? c[i] : 0.0; };
-  const std::vector<Complex> roots =
+  return FactoredResponse::factors_of(
       degree < 2 ? quadratic_roots(two_clocks * (at(0) + at(1)), at(0) - at(1), 0.0)
                  : quadratic_roots(two_clocks * two_clocks * (at(0) + at(1) + at(2)),
-                                   2.0 * two_clocks * (at(0) - at(2)), at(0) - at(1) + at(2));
-  std::vector<Factor> out;
-  for (const Complex& root : roots) {
-    if (root.imag() == 0.0) out.push_back({.frequency = -root.real()});
-    if (root.imag() > 0.0)
-      out.push_back({.pair = true, .frequency = std::abs(root), .damping = -root.real() / std::abs(root)});
-  }
-  return out;
+                                   2.0 * two_clocks * (at(0) - at(2)), at(0) - at(1) + at(2)));
 }
 
 /// One response made of the factors of all CAMs, which knows whose they are.

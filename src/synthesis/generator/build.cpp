@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -217,27 +215,32 @@ DisturbanceCircuit Builder::build() {
   return std::move(out_);
 }
 
-DisturbanceCircuit make_controller(const Disturbance& disturbance, const Options& options) {
-  const Input input = Input::of(disturbance);
-  const auto made = [&](const Options& with) {
-    return Builder(input, with, static_cast<int>(disturbance.ascending.size()), disturbance).build();
-  };
-  Options with = options;
-  std::optional<DisturbanceCircuit> found;
-  while (!found) {
+namespace {
+
+/// With a gain curve as near to its table as is asked, or, of these doublings, the nearest that resistors make.
+DisturbanceCircuit build_controller(const Disturbance& disturbance, Options options) {
+  constexpr double kMostPercent = 1.0;  // of range: about what a stage is off without any rate gains
+  const double asked = options.rate_tolerance_percent;
+  for (;; options.rate_tolerance_percent *= 2.0) {
     try {
-      found = made(with);
+      DisturbanceCircuit out = Builder(Input::of(disturbance), options,
+                                       static_cast<int>(disturbance.ascending.size()), disturbance)
+                                   .build();
+      if (options.rate_tolerance_percent > asked)
+        out.warnings.push_back(fmt::format(
+            "The table's gains change so steeply that no resistors make a curve within {} % of range of it: it follows within {} %",
+            rounded_text(asked), rounded_text(options.rate_tolerance_percent)));
+      return out;
     } catch (const TooSteep&) {
-      constexpr double kMostPercent = 1.0;  // of range: about what a stage is off without any rate gains
-      with.rate_tolerance_percent *= 2.0;
-      if (with.rate_tolerance_percent > kMostPercent) throw;
+      if (2.0 * options.rate_tolerance_percent > kMostPercent) throw;
     }
   }
-  DisturbanceCircuit out = std::move(*found);
-  if (with.rate_tolerance_percent > options.rate_tolerance_percent)
-    out.warnings.push_back(fmt::format(
-        "The table's gains change so steeply that no resistors make a curve within {} % of range of it: it follows within {} %",
-        rounded_text(options.rate_tolerance_percent), rounded_text(with.rate_tolerance_percent)));
+}
+
+}  // namespace
+
+DisturbanceCircuit make_controller(const Disturbance& disturbance, const Options& options) {
+  DisturbanceCircuit out = build_controller(disturbance, options);
   if (!disturbance.amplitude.alpha.empty() && !out.stroke)
     out.warnings.push_back("for full strokes only: the disturbance's amplitude gains are not built");
   return out;

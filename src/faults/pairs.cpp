@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
+
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::faults {
 namespace {
@@ -111,34 +114,11 @@ class PairSearch {
         log_prior_of_two_(log_prior_of_two),
         noise_(noise) {}
 
-  /// A first fault of a given size with every other, the best of them with both sizes free.
-  void try_first(const Finding& first) {
-    Prediction prediction = board_.predict(first.effect());
-    const Likelihood exact(board_, prediction, noise_);
-    // A second fault that is known roughly is not judged by what even the right one would leave: its model's error, as if
-    // it changed everything by a factor of e.
-    prediction.model_error = std::max(prediction.model_error, kRoughSecond);
-    prediction.reference = prediction.response * std::exp(-1.0);
-    const Likelihood rough(board_, prediction, noise_);
-    const std::unique_ptr<ChangedBoard> changed = board_.changed_by(first.effect());
-    const auto likelihood_of = [&](const Fault& fault) -> const Likelihood& {
-      return fault.effect(fault.from).model_error > 0.0 ? rough : exact;
-    };
-    std::vector<TriedPair> here;
-    for (const Fault& fault : faults_) {
-      if (share_a_part(*first.faults[0], fault)) continue;
-      TriedPair pair = best_second(board_, *changed, first, likelihood_of(fault), fault);
-      if (pair.finding.sizes.empty()) continue;
-      pair.finding.log_prior = log_prior_of_two_ + prior_of(*first.faults[0]) + prior_of(fault);
-      pair.rough += pair.finding.log_prior;
-      here.push_back(std::move(pair));
-    }
-    std::ranges::stable_sort(here, better);
-    here.resize(std::min(here.size(), kSecondsOfEach));
-    for (TriedPair& pair : here) {
-      resize(board_, likelihood_of(*pair.finding.faults[1]), pair);
-      tried_.push_back(std::move(pair));
-    }
+  /// Each first fault, of the size that it was found with, with every other.
+  void try_firsts(const std::vector<Finding>& firsts) {
+    std::vector<std::vector<TriedPair>> of_each(firsts.size());
+    parallel_for(firsts.size(), thread_count(0), [&](std::size_t i) { of_each[i] = with_first(firsts[i]); });
+    for (std::vector<TriedPair>& pairs : of_each) std::ranges::move(pairs, std::back_inserter(tried_));
   }
 
   /// Of three values of which any two explain the same, A with B and A with C may be found and B with C not, far away in both
@@ -193,6 +173,34 @@ class PairSearch {
   }
 
  private:
+  /// The best seconds of a first fault, both sizes free.
+  std::vector<TriedPair> with_first(const Finding& first) const {
+    Prediction prediction = board_.predict(first.effect());
+    const Likelihood exact(board_, prediction, noise_);
+    // A second fault that is known roughly is not judged by what even the right one would leave: its model's error, as if
+    // it changed everything by a factor of e.
+    prediction.model_error = std::max(prediction.model_error, kRoughSecond);
+    prediction.reference = prediction.response * std::exp(-1.0);
+    const Likelihood rough(board_, prediction, noise_);
+    const std::unique_ptr<ChangedBoard> changed = board_.changed_by(first.effect());
+    const auto likelihood_of = [&](const Fault& fault) -> const Likelihood& {
+      return fault.effect(fault.from).model_error > 0.0 ? rough : exact;
+    };
+    std::vector<TriedPair> here;
+    for (const Fault& fault : faults_) {
+      if (share_a_part(*first.faults[0], fault)) continue;
+      TriedPair pair = best_second(board_, *changed, first, likelihood_of(fault), fault);
+      if (pair.finding.sizes.empty()) continue;
+      pair.finding.log_prior = log_prior_of_two_ + prior_of(*first.faults[0]) + prior_of(fault);
+      pair.rough += pair.finding.log_prior;
+      here.push_back(std::move(pair));
+    }
+    std::ranges::stable_sort(here, better);
+    here.resize(std::min(here.size(), kSecondsOfEach));
+    for (TriedPair& pair : here) resize(board_, likelihood_of(*pair.finding.faults[1]), pair);
+    return here;
+  }
+
   double prior_of(const Fault& fault) const {
     return log_priors_[static_cast<std::size_t>(&fault - faults_.data())];
   }
@@ -211,32 +219,33 @@ std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& si
                               const std::vector<Fault>& faults, const std::vector<double>& log_priors,
                               double log_prior_of_two, const Noise& noise) {
   PairSearch search(board, faults, log_priors, log_prior_of_two, noise);
-  std::size_t firsts = 0;
+  std::vector<Finding> firsts;
   std::map<std::string, int> kinds_of;
   std::set<const Fault*> were_first;
   for (const Finding& first : singles) {
     if (first.faults.size() != 1 || kinds_of[first.site()]++ >= kKindsOfSite) continue;
-    if (firsts++ == kFirsts) break;
+    if (firsts.size() == kFirsts) break;
     were_first.insert(first.faults[0]);
-    search.try_first(first);
+    firsts.push_back(first);
   }
+  search.try_firsts(firsts);
   // One of two faults may stand out only alongside the other one: what did best as a second one is tried as a first one, of the
   // size that it had.
-  std::size_t turned = 0;
+  std::vector<Finding> turned;
   for (const TriedPair& pair : search.tried()) {
-    if (turned == kTurned) break;
-    if (!were_first.insert(pair.finding.faults[1]).second) continue;
-    Finding first{.faults = {pair.finding.faults[1]}, .sizes = {pair.finding.sizes[1]}};
-    search.try_first(first);
-    ++turned;
+    if (turned.size() == kTurned) break;
+    if (were_first.insert(pair.finding.faults[1]).second)
+      turned.push_back({.faults = {pair.finding.faults[1]}, .sizes = {pair.finding.sizes[1]}});
   }
+  search.try_firsts(turned);
   std::vector<Finding> out;
   KnownPairs known;
   for (const TriedPair& pair : search.tried()) {
     if (out.size() == kPolished) break;
-    if (!known.insert({pair.finding.faults.begin(), pair.finding.faults.end()}).second) continue;
-    out.push_back(polished(board, pair.finding, noise));
+    if (known.insert({pair.finding.faults.begin(), pair.finding.faults.end()}).second)
+      out.push_back(pair.finding);
   }
+  parallel_for(out.size(), thread_count(0), [&](std::size_t i) { out[i] = polished(board, out[i], noise); });
   search.close(known, out);
   return out;
 }

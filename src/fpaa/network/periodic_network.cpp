@@ -25,6 +25,12 @@ Index index(std::size_t i) {
 /// x of (turn - loop) x = b.
 VectorXcd solve_periodic(Complex turn, const MatrixXd& loop, const VectorXcd& b) {
   if (loop.rows() == 1) return b / (turn - loop(0, 0));
+  if (loop.rows() == 2) {  // most CAMs: by Cramer's rule, a sixth of the time
+    const Complex a = turn - loop(0, 0), d = turn - loop(1, 1);
+    VectorXcd out(2);
+    out << d * b(0) + loop(0, 1) * b(1), loop(1, 0) * b(0) + a * b(1);
+    return out / (a * d - loop(0, 1) * loop(1, 0));
+  }
   return solve_lu(Eigen::MatrixXcd(turn * Eigen::MatrixXcd::Identity(loop.rows(), loop.cols()) - loop), b);
 }
 
@@ -268,16 +274,17 @@ void PeriodicNetworks::find_loop(Node& node) {
   }
 }
 
-PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std::vector<SineWaveform>& known,
-                                                     double w) const {
+void PeriodicNetworks::find_inputs(const Node& node, const std::vector<SineWaveform>& known, double w,
+                                   Inputs& out) const {
   const std::size_t pieces = node.pieces();
   const std::size_t count = node.clocked.inputs();
   const double per_tick = w / ticks_per_second_;
-  Inputs out;
   out.w = w;
-  out.alpha.assign(pieces * count, 0.0);
-  out.beta.assign(pieces * count, 0.0);
-  out.turn_at_end.reserve(pieces);
+  for (std::vector<Complex>* of : {&out.alpha, &out.beta}) of->assign(pieces * count, 0.0);
+  for (std::vector<Complex>* of :
+       {&out.turn_at_end, &out.followed_at_end, &out.followed_rate_at_end, &out.peak})
+    of->clear();
+  for (std::vector<double>* of : {&out.gamma, &out.late}) of->clear();
   Turning turning(per_tick);
   for (std::size_t i = 0; i < pieces; ++i)
     out.turn_at_end.push_back(turning.at(static_cast<double>(node.edges[i + 1])));
@@ -326,14 +333,13 @@ PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std
       out.at_end[at] += out.gamma[at] * out.followed_at_end[at / count] -
                         out.late[at] * out.followed_rate_at_end[at / count];
   }
-  if (!late) return out;
+  if (!late) return;
   out.rate_at_end.resize(pieces * count);
   for (std::size_t at = 0; at < out.rate_at_end.size(); ++at) {
     const Complex turn = out.turn_at_end[at / count];
     out.rate_at_end[at] = turned_by(w, out.beta[at] * turn);
     if (node.follows) out.rate_at_end[at] += out.gamma[at] * out.followed_rate_at_end[at / count];
   }
-  return out;
 }
 
 /// The charges behind a piece: M q + N u, and of slow parts -L du/dt; without allocating for what is small.
@@ -465,9 +471,12 @@ std::vector<SineWaveform> PeriodicNetworks::waveforms(const Node& node, const In
 
 std::vector<SineWaveform> PeriodicNetworks::outputs(double w) const {
   std::vector<SineWaveform> out;
+  out.reserve(nodes_.size());
+  Inputs in;
   for (const Node& node : nodes_) {
     const std::size_t read[] = {node.clocked.output()};
-    out.push_back(std::move(waveforms(node, inputs_of(node, out, w), read)[0]));
+    find_inputs(node, out, w, in);
+    out.push_back(std::move(waveforms(node, in, read)[0]));
   }
   return out;
 }
@@ -546,8 +555,9 @@ std::vector<std::vector<PeriodicNetworks::NodeSize>> PeriodicNetworks::nodes(Rad
   std::vector<SineWaveform> known;
   std::vector<std::vector<NodeSize>> of_node;           // each part by itself
   std::vector<std::vector<double>> departures_of_part;  // largest departure of each from its own sine
+  Inputs in;
   for (const Node& node : nodes_) {
-    const Inputs in = inputs_of(node, known, w.value);
+    find_inputs(node, known, w.value, in);
     std::vector<std::size_t> all;
     for (std::size_t k = 0; k < node.clocked.opamps(); ++k) all.push_back(k);
     std::vector<SineWaveform> waves = waveforms(node, in, all);

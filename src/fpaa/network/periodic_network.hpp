@@ -132,7 +132,8 @@ class PeriodicNetworks {
   bool lay_pieces(Node& node) const;
   std::optional<std::size_t> followed_by(const Node& node) const;
   static void find_loop(Node& node);
-  Inputs inputs_of(const Node& node, const std::vector<SineWaveform>& known, double w) const;
+  /// `in` keeps its room from node to node.
+  void find_inputs(const Node& node, const std::vector<SineWaveform>& known, double w, Inputs& in) const;
   static void step(const Node& node, const Inputs& in, std::size_t piece, Eigen::VectorXcd& q,
                    Eigen::VectorXcd& next);
   /// Charges at the beginning of the period.

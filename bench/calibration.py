@@ -115,10 +115,10 @@ def schwarz(step, samples):
     return posterior([(r[0], -samples * math.log(max(r[2], 1e-300)) - 0.5 * r[3] * math.log(samples)) for r in step["rivals"]])
 
 
-def read_again(row, tempered, of_a_whole, of_a_part):
+def read_again(row, tempered, of_a_whole, of_a_sign):
     """The row with other constants of evidence/posterior.cpp: log evidences over `tempered`, k of the odds of outside."""
     whole = row["verdict"] in ("explained", "nothing_missing")
-    k = of_a_whole if whole else of_a_part
+    k = of_a_whole if whole else of_a_sign * max(s["times_chance"] for s in row["signs"]) ** 2 if row["signs"] else 1.0
     left = row["gap"]["final"]["holdout_rms"] / row["gap"]["refitted"]["holdout_rms"] if row["steps"] else float(not whole)
     outside = max(0.01, 1.0 - 1.0 / (1.0 + k * left))
     steps = []
@@ -166,9 +166,9 @@ def show(args):
         show_one("read with these constants, on those below", [read_again(r, *args.read) for r in fitted])
         others_read = [read_again(r, *args.read) for r in others]
         show_one("read with these constants, on the others", others_read)
-    grid = itertools.product((1.0, 1.5, 2.0, 3.0, 4.0), (0.05, 0.1, 0.2, 0.35), (4.0, 8.0, 12.0, 16.0))
+    grid = itertools.product((1.0, 1.5, 2.0, 3.0, 4.0), (0.05, 0.1, 0.2, 0.35), (2.0, 4.0, 8.0))
     best = max(grid, key=lambda g: log_score([read_again(r, *g) for r in fitted]))
-    print("best on those below:", dict(zip(("tempered", "of_a_whole", "of_a_part"), best)))
+    print("best on those below:", dict(zip(("tempered", "of_a_whole", "of_a_sign"), best)))
     show_one("fitted, on those it was fitted on", [read_again(r, *best) for r in fitted])
     show_one("fitted, on the others", [read_again(r, *best) for r in others])
     with_rms = [r for r in others if r["steps"] and len(r["steps"][0]["rivals"][0]) > 2]
@@ -289,7 +289,7 @@ def main():
     s = sub.add_parser("show")
     s.add_argument("answers")
     s.add_argument("--fit-below", type=int, default=120)
-    s.add_argument("--read", nargs=3, type=float, help="tempered, of_a_whole, of_a_part instead of the program's")
+    s.add_argument("--read", nargs=3, type=float, help="tempered, of_a_whole, of_a_sign instead of the program's")
     s.set_defaults(run=show)
     b = sub.add_parser("stability")
     b.add_argument("--program", required=True)

@@ -93,7 +93,7 @@ TEST(Evidence, AModelThatCannotBeRunIsNoRival) {
   EXPECT_EQ(posterior.alternatives.front().probability, 1.0);
 }
 
-// What a name leaves of the gap, and that more is missing, make it less sure; how plain a sign of that is does not.
+// What a name leaves of the gap, and that more is missing, make it less sure; a sign of that the more the plainer it is.
 TEST(Evidence, ANameIsDoubtedWhereMoreIsLeft) {
   auto result = slewing_alone();
   const auto probability = [&](bool more_is_left, double left) {
@@ -104,11 +104,16 @@ TEST(Evidence, ANameIsDoubtedWhereMoreIsLeft) {
   EXPECT_LT(probability(false, 0.0), 1.0);
   EXPECT_EQ(probability(true, std::numeric_limits<double>::infinity()), 0.0);
   for (const double left : {0.1, 0.3, 1.0}) {
-    const double more = probability(true, left);
-    EXPECT_LT(more, probability(false, left));
-    EXPECT_LT(probability(true, 2.0 * left), more);
-    result.structure = {{gap::SignKind::jumps, 30.0}};
-    EXPECT_EQ(probability(true, left), more);
+    result.structure.clear();
+    double before = probability(false, left);
+    for (const double plainest : {0.0, 1.1, 3.0, 30.0}) {  // held-out records alone, then signs
+      if (plainest > 0.0)
+        result.structure = {{gap::SignKind::spectral_line, 1.05}, {gap::SignKind::jumps, plainest}};
+      const double more = probability(true, left);
+      EXPECT_LT(more, before) << plainest;
+      EXPECT_LT(probability(true, 2.0 * left), more) << plainest;
+      before = more;
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "base/progress.hpp"
@@ -113,9 +114,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.weighted = study.weighted();
   d.amplitude = amplitude_dependence(study.train());
   Experiments searched = d.amplitude ? of_least_drive(study.train()) : study.train();
-  StartedSearch started = search_from_start(base, searched, options);
-  d.search = std::move(started.search);
-  d.start = started.start;
+  std::tie(d.search, d.start) = search_from_start(base, searched, options);
   study.set_holds(d.search.holds);
   set_holds(searched, d.search.holds);
   if (d.amplitude) d.search.structure.push_back({SignKind::depends_on_amplitude, d.amplitude->strength});

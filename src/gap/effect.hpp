@@ -17,7 +17,6 @@ struct EffectFacts {
   std::string_view what;          ///< a sentence for the report: what it does to a signal
   std::string_view experiment;    ///< that tells it from those
   bool linear = false;            ///< shows in a frequency response
-  bool static_curve = false;      ///< y = f(x), bent
   std::string_view told_as = {};  ///< the name of which it is another form to whoever reads the answer
   /// A model may hold more than one of it: each is another thing, and not one thing with more freedom.
   bool repeatable = false;

@@ -38,6 +38,15 @@ void add_parameters(std::vector<Unknown>& unknowns, Starts& starts, const chain:
   if (starts.empty()) starts.push_back(std::move(start));
 }
 
+/// The term with its unknowns, which block `id` of the model has.
+Proposal propose_in_block(Model model, int id, Term term, std::vector<Unknown> unknowns, Starts starts,
+                          BlockWriter write) {
+  add_parameters(unknowns, starts, model.block(id));
+  term.write = writer(id, unknowns, std::move(write));
+  term.unknowns = std::move(unknowns);
+  return propose_term(std::move(model), std::move(term), std::move(starts));
+}
+
 }  // namespace
 
 Proposal insert_block(const Scene& scene, std::size_t position, chain::Block block,
@@ -45,25 +54,19 @@ Proposal insert_block(const Scene& scene, std::size_t position, chain::Block blo
   Model model = *scene.model;
   Term term;
   term.placed = model.placed(position);
-  add_parameters(unknowns, starts, block);
   const int id = model.insert(position, std::move(block));
   term.blocks = {id};
-  term.write = writer(id, unknowns, std::move(write));
-  term.unknowns = std::move(unknowns);
-  return propose_term(std::move(model), std::move(term), std::move(starts));
+  return propose_in_block(std::move(model), id, std::move(term), std::move(unknowns), std::move(starts),
+                          std::move(write));
 }
 
 Proposal change_block(const Scene& scene, std::size_t position, std::vector<Unknown> unknowns, Starts starts,
                       BlockWriter write) {
   Term term;
   term.placed = inside_block(*scene.model, position);
-  const auto& block = scene.model->at(position);
-  const int id = scene.model->id_at(position);
-  term.part = block.part;
-  add_parameters(unknowns, starts, block);
-  term.write = writer(id, unknowns, std::move(write));
-  term.unknowns = std::move(unknowns);
-  return propose_term(*scene.model, std::move(term), std::move(starts));
+  term.part = scene.model->at(position).part;
+  return propose_in_block(*scene.model, scene.model->id_at(position), std::move(term), std::move(unknowns),
+                          std::move(starts), std::move(write));
 }
 
 Proposal change_part(const Scene& scene, std::size_t position, std::size_t which) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <utility>
+#include <variant>
 
 #include "base/error.hpp"
 #include "gap/records/lines.hpp"
@@ -11,16 +13,6 @@
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
-
-/// Runs one chain structure against one record, again and again with other parameter values.
-class Bench {
- public:
-  virtual ~Bench() = default;
-  virtual chain::Chain& chain() = 0;
-  /// Appends (model - measured) at every scored sample; false when the chain cannot be run with its present
-  /// values (it runs away).
-  virtual bool residuals(std::vector<double>& append) = 0;
-};
 
 namespace {
 
@@ -36,7 +28,20 @@ simulate::RecordOptions engine_options(const TimeExperiment& experiment) {
   return o;
 }
 
-class TimeBench final : public Bench {
+void copy_values(const Model& model, chain::Chain& chain) {
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const auto& from = model.at(i).parameters();
+    auto& to = chain.blocks[i].parameters();
+    for (std::size_t k = 0; k < from.size(); ++k) to[k].value = from[k].value;
+  }
+}
+
+}  // namespace
+
+// A bench runs one chain structure against one record, again and again with other parameter values. residuals() appends (model - measured)
+// at every scored sample; false when the chain cannot be run with its present values (it runs away).
+
+class TimeBench {
  public:
   /// `lines`: places of blocks whose size and phase are the record's own.
   TimeBench(const chain::Chain& chain, std::vector<std::size_t> lines, const TimeExperiment& experiment)
@@ -44,9 +49,9 @@ class TimeBench final : public Bench {
         simulator_(chain, experiment.record().step_s, engine_options(experiment)),
         lines_(std::move(lines)) {}
 
-  chain::Chain& chain() override { return simulator_.chain(); }
+  chain::Chain& chain() { return simulator_.chain(); }
 
-  bool residuals(std::vector<double>& append) override {
+  bool residuals(std::vector<double>& append) {
     const auto& record = experiment_.record();
     const auto y = simulator_.run(std::span<const double>(record.u).first(experiment_.end()));
     const std::size_t before = append.size();
@@ -82,14 +87,14 @@ class TimeBench final : public Bench {
   Directions lines_of_record_;
 };
 
-class FrequencyBench final : public Bench {
+class FrequencyBench {
  public:
   FrequencyBench(const chain::Chain& chain, const FrequencyExperiment& experiment)
       : chain_(chain), experiment_(experiment) {}
 
-  chain::Chain& chain() override { return chain_; }
+  chain::Chain& chain() { return chain_; }
 
-  bool residuals(std::vector<double>& append) override {
+  bool residuals(std::vector<double>& append) {
     const auto& record = experiment_.record();
     const auto& weights = experiment_.weights();
     for (std::size_t i = 0; i < record.frequency.size(); ++i) {
@@ -110,37 +115,23 @@ class FrequencyBench final : public Bench {
   FrequencyExperiment experiment_;
 };
 
-std::unique_ptr<Bench> make_bench(const chain::Chain& chain, const std::vector<std::size_t>& lines,
-                                  const Experiment& experiment) {
-  return std::visit(Visitor{[&](const TimeExperiment& e) -> std::unique_ptr<Bench> {
-                              return std::make_unique<TimeBench>(chain, lines, e);
-                            },
-                            [&](const FrequencyExperiment& e) -> std::unique_ptr<Bench> {
-                              return std::make_unique<FrequencyBench>(chain, e);
-                            }},
-                    experiment);
-}
-
-void copy_values(const Model& model, chain::Chain& chain) {
-  for (std::size_t i = 0; i < model.size(); ++i) {
-    const auto& from = model.at(i).parameters();
-    auto& to = chain.blocks[i].parameters();
-    for (std::size_t k = 0; k < from.size(); ++k) to[k].value = from[k].value;
-  }
-}
-
-}  // namespace
+using Bench = std::variant<TimeBench, FrequencyBench>;
 
 /// For one thread.
 struct Runner::Benches {
   Model model;
-  std::vector<std::unique_ptr<Bench>> of_each;
+  std::vector<Bench> of_each;
 
   Benches(const Model& of, const Experiments& experiments) : model(of) {
     const auto chain = model.chain();
     std::vector<std::size_t> lines;
     for (int id : model.line_blocks()) lines.push_back(model.position_of(id));
-    for (const auto& e : experiments) of_each.push_back(make_bench(chain, lines, e));
+    for (const auto& one : experiments) {
+      std::visit(
+          Visitor{[&](const TimeExperiment& e) { of_each.emplace_back(TimeBench(chain, lines, e)); },
+                  [&](const FrequencyExperiment& e) { of_each.emplace_back(FrequencyBench(chain, e)); }},
+          one);
+    }
   }
 
   bool residuals(std::span<const double> values, std::vector<double>& out) {
@@ -148,14 +139,13 @@ struct Runner::Benches {
     try {
       model.set_values(values);
       if (!model.validation_error().empty()) return false;
-      for (auto& bench : of_each) {
-        copy_values(model, bench->chain());
-        if (!bench->residuals(out)) return false;
-      }
-      return true;
-    } catch (
-        const InputError&) {  // a relation between parameters that an engine needs and a trial value breaks
-      return false;
+      const auto run = [&](auto& bench) {
+        copy_values(model, bench.chain());
+        return bench.residuals(out);
+      };
+      return std::ranges::all_of(of_each, [&](Bench& bench) { return std::visit(run, bench); });
+    } catch (const InputError&) {
+      return false;  // a relation between parameters that an engine needs and a trial value breaks
     }
   }
 };

@@ -167,15 +167,11 @@ double Signal::slope_quantile(double q) const {
   return sorted_slopes[static_cast<std::size_t>(q * static_cast<double>(sorted_slopes.size() - 1))];
 }
 
-bool Scene::linear(std::size_t position) const {
-  return model->at(position).response(RadPerSecond{1.0}).has_value();
-}
-
 std::vector<std::size_t> Scene::linear_places() const {
   std::vector<std::size_t> places;
   // The last boundary of every stretch of linear blocks (all of them stand for the same model).
   for (std::size_t i = 0; i <= end(); ++i) {
-    if (i == end() || !linear(i)) places.push_back(i);
+    if (i == end() || !model->is_linear(i)) places.push_back(i);
   }
   return places;
 }

@@ -62,7 +62,6 @@ struct Scene {
   int threads = 1;              ///< for looks that take long
   std::function<bool()> late;   ///< true: the time for proposals is over; empty: it has no end
 
-  bool linear(std::size_t position) const;  ///< the block there is linear and time-invariant
   /// One boundary of each class of places that a linear effect cannot tell apart.
   std::vector<std::size_t> linear_places() const;
   /// The same for a memoryless or rate-independent effect.

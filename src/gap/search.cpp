@@ -17,9 +17,9 @@ namespace bodesmith::gap {
 namespace {
 
 /// The base model with its own freedom used: what its free parameters can explain is not missing. As given when it cannot be run.
-Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
-  auto fitted = fit_in_turn(setting, records, setting.initial);
-  return fitted.usable() ? std::move(fitted.model) : setting.initial;
+Model refit_base(const SearchSetting& setting, const SearchRecords& records, const Model& given) {
+  auto fitted = fit_in_turn(setting, records, given);
+  return fitted.usable() ? std::move(fitted.model) : given;
 }
 
 /// The names one after the other, each with what it was chosen from.
@@ -48,15 +48,15 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   SearchResult result;
   result.initial = Model(base);
   result.initial.set_signal_size(largest_range(train));
-  SearchSetting setting{options, result.initial};
+  SearchSetting setting{options};
   Beam beam;
   SearchRecords& records = beam.records;
-  records = make_records(train, options.stretches, result.initial);
-  Model model = refit_base(setting, records);
+  records = make_records(train, result.initial);
+  Model model = refit_base(setting, records, result.initial);
   // A second time, as values far off may still be on their way.
   if (leave_out_wrong_starts(options, records, model))
-    model = fit_in_turn(setting, records, refit_base(setting, records)).model;
-  records.stretches = stretches_of(records.train, model, options.stretches);
+    model = fit_in_turn(setting, records, refit_base(setting, records, result.initial)).model;
+  records.stretches = stretches_of(records.train, model);
   result.base = model;
   setting.first_gap = rms_of(model, records.train);
   beam.best.model = std::move(model);

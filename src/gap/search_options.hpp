@@ -9,10 +9,9 @@ namespace bodesmith::gap {
 // The limits of each step of a search. The numbers in brackets are the steps of docs/gap.md that explain
 // them.
 
-/// Long records are first fitted on the stretches of which most is left [5].
-struct StretchOptions {
-  std::size_t samples = 8000;  ///< of all stretches together; one and a half times as many: long records
-};
+/// Long records are first fitted on the stretches of which most is left [5]: samples of all of them together; one and a half times as many
+/// are long.
+inline constexpr std::size_t kStretchSamples = 8000;
 
 // Rounds of candidates [4, 5].
 /// Effects that are fitted in each round, and first names that pairs are looked for alongside; of pairs twice as many.
@@ -52,8 +51,7 @@ struct SearchOptions {
   std::function<bool()> late;            ///< true: judge what has been fitted, and begin nothing new
 
   bool all_starts_scored = false;  ///< whatever stands out there [2]
-  StretchOptions stretches;
-  DriveRequest drive;  ///< what experiment.csv may be
+  DriveRequest drive;              ///< what experiment.csv may be
 
   bool stopped() const { return stop && stop(); }
   bool is_late() const { return stopped() || (late && late()); }

@@ -51,25 +51,20 @@ TimeExperiment experiment_with_start(TimeRecord record, const chain::Chain& base
   return TimeExperiment(std::move(record), start);
 }
 
-bool comes_before(const TimeRecord& a, const TimeRecord& b) {
-  return std::tie(a.u, a.y) < std::tie(b.u, b.y);
+auto content_of(const TimeRecord& record) {
+  return std::tie(record.u, record.y);
 }
 
-bool comes_before(const MeasuredResponse& a, const MeasuredResponse& b) {
-  const auto numbers = [](const MeasuredResponse& record) {
-    std::vector<std::array<double, 3>> all;
-    for (std::size_t i = 0; i < record.frequency.size(); ++i)
-      all.push_back({record.frequency[i].value, record.response[i].real(), record.response[i].imag()});
-    return all;
-  };
-  return numbers(a) < numbers(b);
+std::vector<std::array<double, 3>> content_of(const MeasuredResponse& record) {
+  std::vector<std::array<double, 3>> all;
+  for (std::size_t i = 0; i < record.frequency.size(); ++i)
+    all.push_back({record.frequency[i].value, record.response[i].real(), record.response[i].imag()});
+  return all;
 }
 
 /// In the order of what they hold: which of them was named first tells nothing.
-template <class Record>
-void sort_by_content(std::vector<Record>& records) {
-  std::stable_sort(records.begin(), records.end(),
-                   [](const Record& a, const Record& b) { return comes_before(a, b); });
+void sort_by_content(auto& records) {
+  std::ranges::stable_sort(records, {}, [](const auto& record) { return content_of(record); });
 }
 
 template <class Read>

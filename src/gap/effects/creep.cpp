@@ -17,16 +17,6 @@ constexpr int kOfDecade = 3;
 
 /// y = u + c sum over decades of relaxations, equally strong at every time constant between two: after a step
 /// c log10(t) (J. F. Curie's law; K. Kuhnen, 2003).
-void write_logarithmic(chain::Block& block, int count, double gain_per_decade, double fastest_s,
-                       double slowest_s) {
-  const double decades = std::log10(slowest_s / fastest_s);
-  std::vector<double> times;
-  for (int k = 0; k < count; ++k)
-    times.push_back(fastest_s * std::pow(slowest_s / fastest_s, (k + 0.5) / count));
-  block.set("time_constants_s", times)
-      .set("gains", std::vector<double>(times.size(), gain_per_decade * decades / count));
-}
-
 Proposal logarithmic(const Scene& scene, std::size_t at, double fast, double slow) {
   const int count = kOfDecade * whole_number<int>(std::ceil(std::log10(slow / fast)), 1, 20);
   auto block = chain::make_block("creep");
@@ -35,14 +25,19 @@ Proposal logarithmic(const Scene& scene, std::size_t at, double fast, double slo
   Starts starts;
   for (const auto& [from, to] : {std::pair(0.2, 0.55), std::pair(0.5, 0.85), std::pair(0.15, 0.85)})
     starts.push_back({0.02, fast * std::pow(slow / fast, from), fast * std::pow(slow / fast, to)});
-  return insert_block(scene, at, block,
-                      {linear_unknown("gain_per_decade", 0.0, 1.0, 0.05),
-                       logarithmic_unknown("fastest_s", 0.3 * fast, 0.5 * slow),
-                       logarithmic_unknown("slowest_s", 2.0 * fast, slow)},
-                      starts, [count](chain::Block& b, std::span<const double> v) {
-                        // The order may be lost on the way of a fit.
-                        write_logarithmic(b, count, v[0], v[1], std::max(v[2], 1.01 * v[1]));
-                      });
+  return insert_block(
+      scene, at, block,
+      {linear_unknown("gain_per_decade", 0.0, 1.0, 0.05),
+       logarithmic_unknown("fastest_s", 0.3 * fast, 0.5 * slow),
+       logarithmic_unknown("slowest_s", 2.0 * fast, slow)},
+      starts, [count](chain::Block& b, std::span<const double> v) {
+        // The order may be lost on the way of a fit.
+        const double ratio = std::max(v[2] / v[1], 1.01);
+        std::vector<double> times;
+        for (int k = 0; k < count; ++k) times.push_back(v[1] * std::pow(ratio, (k + 0.5) / count));
+        const double gain = v[0] * std::log10(ratio) / count;
+        b.set("time_constants_s", times).set("gains", std::vector<double>(times.size(), gain));
+      });
 }
 
 void propose_creep(const Scene& scene, std::vector<Proposal>& out) {

@@ -56,15 +56,6 @@ std::vector<Line> lines_of(const Scene& scene) {
   return lines;
 }
 
-Proposal with_line(const Scene& scene, const Line& line) {
-  const auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * line.nominal_hz,
-                                        (1.0 + kTolerance) * line.nominal_hz, 0.1 / scene.duration_s);
-  return insert_block(
-      scene, scene.model->size(),
-      chain::make_block("hum").set("amplitude", 0.0).set("frequency_hz", line.hz).set("phase_deg", 0.0),
-      {frequency}, {{line.hz}});
-}
-
 /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
 /// its alias), its size and phase each record's own.
 void propose_mains_hum(const Scene& scene, std::vector<Proposal>& out) {
@@ -76,7 +67,13 @@ void propose_mains_hum(const Scene& scene, std::vector<Proposal>& out) {
   const auto near = [&](const Line& a, const Line& b) {
     return std::abs(alias_of(a.hz, rate) - alias_of(b.hz, rate)) * scene.duration_s < kMinCycles;
   };
-  for (const auto& line : best_apart(lines, near)) out.push_back(with_line(scene, line));
+  for (const auto& line : best_apart(lines, near)) {
+    const auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * line.nominal_hz,
+                                          (1.0 + kTolerance) * line.nominal_hz, 0.1 / scene.duration_s);
+    auto hum = chain::make_block("hum");
+    hum.set("amplitude", 0.0).set("frequency_hz", line.hz).set("phase_deg", 0.0);
+    out.push_back(insert_block(scene, scene.model->size(), hum, {frequency}, {{line.hz}}));
+  }
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ Starts starts_at_peaks(const Scene& scene) {
 
 bool is_linear_mode(const Scene& scene, std::size_t at) {
   const auto& block = scene.model->at(at);
-  return block.has("natural_frequency_hz") && block.has("damping_ratio") && scene.linear(at);
+  return block.has("natural_frequency_hz") && block.has("damping_ratio") && scene.model->is_linear(at);
 }
 
 /// The base model's resonator that a block of this effect stands in parallel with: other terms may have come between the two.

@@ -188,11 +188,7 @@ double mean_lag_s(const Scene& scene) {
 
 Starts clocks_of_hold(const Scene& scene, std::size_t at, bool half, double guess_hz, const RedNoise& noise) {
   const bool white = noise.driving_variance > 0.0;
-  // A curve or a memory passes stairs on much as they are.
-  chain::Chain behind;
-  for (std::size_t k = at; k < scene.end(); ++k) {
-    if (scene.linear(k)) behind.blocks.push_back(scene.model->at(k));
-  }
+  chain::Chain behind = scene.model->linear_part(at);
   if (behind.blocks.empty() && !white)
     return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half, guess_hz);
   // <W r, W H stairs> = <H* W* W r, stairs>, W the filter that makes the residual white: what is behind runs once, from its end.

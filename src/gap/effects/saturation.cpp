@@ -38,9 +38,8 @@ void propose_saturation(const Scene& scene, std::vector<Proposal>& out) {
 
 }  // namespace
 
-/// A clip anywhere in the chain is likelier than memory with many unknowns.
 BODESMITH_EFFECT(saturation, .what = "the amplitude is limited",
-                 .experiment = "a slow ramp to the ends of the range: a limit is flat", .static_curve = true,
+                 .experiment = "a slow ramp to the ends of the range: a limit is flat",
                  .propose = propose_saturation)
 
 }  // namespace bodesmith::gap

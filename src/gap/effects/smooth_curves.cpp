@@ -28,9 +28,9 @@ constexpr const char* kExperiment = "the same drive at two amplitudes with and w
 }  // namespace
 
 BODESMITH_EFFECT(quadratic_nonlinearity, .what = "a smooth even static curve", .experiment = kExperiment,
-                 .static_curve = true, .propose = smooth_curve(2))
+                 .propose = smooth_curve(2))
 
 BODESMITH_EFFECT(cubic_nonlinearity, .what = "a smooth odd static curve", .experiment = kExperiment,
-                 .static_curve = true, .propose = smooth_curve(3))
+                 .propose = smooth_curve(3))
 
 }  // namespace bodesmith::gap

@@ -22,7 +22,7 @@ auto of_width(const char* block, double (Signal::*extent)() const, double most, 
 }  // namespace
 
 BODESMITH_EFFECT(dead_zone, .what = "no response near zero",
-                 .experiment = "a small drive around zero: a dead zone passes nothing", .static_curve = true,
+                 .experiment = "a small drive around zero: a dead zone passes nothing",
                  .propose = of_width("dead_zone", &Signal::size, 2.0, {0.01, 0.06, 0.25}))
 
 BODESMITH_EFFECT(

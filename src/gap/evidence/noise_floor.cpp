@@ -24,10 +24,10 @@ std::string to_string(NoiseFloor::Source source) {
   return kNames.at(static_cast<std::size_t>(source));
 }
 
-NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t from, std::size_t period) {
+NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t period) {
   NoiseFloor floor;
-  if (period == 0 || residual.size() < from + 2 * period) return floor;
-  const std::size_t periods = (residual.size() - from) / period;
+  if (period == 0 || residual.size() < 2 * period) return floor;
+  const std::size_t periods = residual.size() / period;
   // Whole periods at the end of the record: farthest from any start transient.
   const std::size_t first = residual.size() - periods * period;
   std::vector<double> average(period, 0.0);
@@ -86,16 +86,10 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
   return floor;
 }
 
-NoiseFloor noise_floor(const std::vector<double>& residual, const std::vector<double>& input,
-                       std::size_t from, double step_s) {
-  const std::vector<double> later(input.begin() + static_cast<std::ptrdiff_t>(from), input.end());
-  const auto period = find_period(later);
-  if (period > 0) {
-    auto floor = floor_from_periods(residual, from, period);
-    if (floor.source == NoiseFloor::Source::periods) return floor;
-  }
-  const std::vector<double> rest(residual.begin() + static_cast<std::ptrdiff_t>(from), residual.end());
-  return floor_from_high_frequencies(rest, later, step_s);
+NoiseFloor noise_floor(const std::vector<double>& residual, const std::vector<double>& input, double step_s) {
+  const auto floor = floor_from_periods(residual, find_period(input));
+  return floor.source == NoiseFloor::Source::periods ? floor
+                                                     : floor_from_high_frequencies(residual, input, step_s);
 }
 
 }  // namespace bodesmith::gap

@@ -36,9 +36,8 @@ constexpr double kLeastRest = 1e-7;
 /// "periods", "high_frequency" or "unknown", as in diagnosis.json.
 std::string to_string(NoiseFloor::Source source);
 
-/// Noise from the residual of a record whose input repeats every `period` samples (at least two whole periods
-/// from `from` on): the part that does not repeat, with the degrees of freedom that the mean takes counted.
-NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t from, std::size_t period);
+/// Noise from the residual of a record whose input repeats every `period` samples (at least two whole periods): the part that does not repeat, with the degrees of freedom that the mean takes counted.
+NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t period);
 
 /// Noise from the residual above the band in which the input has power, taken as white. Unknown when the
 /// input fills the band up to 70 % of the Nyquist frequency.
@@ -46,7 +45,6 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
                                        double step_s);
 
 /// The first that can be said.
-NoiseFloor noise_floor(const std::vector<double>& residual, const std::vector<double>& input,
-                       std::size_t from, double step_s);
+NoiseFloor noise_floor(const std::vector<double>& residual, const std::vector<double>& input, double step_s);
 
 }  // namespace bodesmith::gap

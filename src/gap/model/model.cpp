@@ -165,6 +165,14 @@ chain::Chain Model::chain() const {
   return c;
 }
 
+chain::Chain Model::linear_part(std::size_t position) const {
+  chain::Chain c;
+  for (const std::size_t last = end(); position < last; ++position) {
+    if (is_linear(position)) c.blocks.push_back(at(position));
+  }
+  return c;
+}
+
 std::string Model::validation_error() const {
   for (const auto& slot : slots_) {
     if (const auto error = slot.block.validate()) return error->text();

@@ -108,6 +108,10 @@ class Model {
   void set_values(std::span<const double> values);
 
   chain::Chain chain() const;
+  /// The block there is linear and time-invariant.
+  bool is_linear(std::size_t position) const { return at(position).response(RadPerSecond{1.0}).has_value(); }
+  /// Linear blocks alone, from `position` on, but lines: a curve or a memory passes small things on much as they are.
+  chain::Chain linear_part(std::size_t position) const;
   /// Empty when every block is within its bounds.
   std::string validation_error() const;
 

@@ -29,14 +29,6 @@ void TimeExperiment::use(std::size_t from, std::size_t end) {
   if (from > 0) start_ = left_out_ = 0;
 }
 
-TimeExperiment TimeExperiment::with_output(std::vector<double> y) const {
-  TimeExperiment other(*this);
-  TimeRecord record = *record_;
-  record.y = std::move(y);
-  other.record_ = std::make_shared<const TimeRecord>(std::move(record));
-  return other;
-}
-
 FrequencyExperiment::FrequencyExperiment(MeasuredResponse record)
     : record_(std::make_shared<const MeasuredResponse>(std::move(record))),
       weights_(std::make_shared<const std::vector<double>>(response_weights(*record_))) {}

@@ -50,9 +50,6 @@ class TimeExperiment {
   /// The record began in an unknown state: its start is not scored.
   void leave_out_start() { left_out_ = start_; }
 
-  /// The same use of the same input with another measured output.
-  TimeExperiment with_output(std::vector<double> y) const;
-
   /// Holds of the engine to a sample (simulate::RecordOptions::oversample).
   void set_holds(std::size_t holds) { holds_ = holds; }
   std::size_t holds() const { return holds_; }

@@ -53,8 +53,7 @@ DriveLimits limits_of(const Experiments& train, const DriveRequest& request) {
   limits.high = request.upper.value_or(std::max(0.0, driven.upper));
   limits.max_rate = request.max_rate.value_or(driven.max_rate_per_s);
   const double duration = first.step_s * static_cast<double>(first.size());
-  const double most =
-      request.duration_s ? DriveRequest::kMostSamples : static_cast<double>(StretchOptions().samples);
+  const double most = request.duration_s ? DriveRequest::kMostSamples : static_cast<double>(kStretchSamples);
   limits.samples =
       static_cast<std::size_t>(std::clamp(request.duration_s.value_or(duration) / limits.step_s, 64.0, most));
   return limits;
@@ -102,12 +101,12 @@ std::vector<TriedDrive> drives(const DriveLimits& limits) {
   return all;
 }
 
-TimeExperiment driven(const DriveLimits& limits, const Drive& u) {
+TimeExperiment driven(const DriveLimits& limits, const Drive& u, std::vector<double> y) {
   TimeRecord record;
   record.file = "experiment.csv";
   record.step_s = limits.step_s;
   record.u = u;
-  record.y.assign(u.size(), 0.0);
+  record.y = std::move(y);
   return TimeExperiment(std::move(record));
 }
 
@@ -173,13 +172,13 @@ std::optional<NextExperiment> next_experiment(const SearchResult& result,
   const std::size_t count = rivals->models.size();
   double most_told = -1.0;
   for (auto& [shape, u] : drives(limits)) {
-    const auto experiment = driven(limits, u);
+    const auto experiment = driven(limits, u, std::vector<double>(u.size(), 0.0));
     std::vector<std::vector<double>> predicted;
     for (const Model& model : rivals->models) predicted.push_back(bare_output_of(model, experiment));
     const std::size_t samples = u.size();
     if (std::ranges::any_of(predicted, [&](const auto& y) { return y.size() != samples; })) continue;
     // An output as large as what comes: next to one of no size every model seems to run away.
-    const auto as_large = experiment.with_output(predicted.front());
+    const auto as_large = driven(limits, u, predicted.front());
     // rms of the nearest two; and the logarithm of standard deviations over all pairs: one that no drive separates decides nothing.
     double least = std::numeric_limits<double>::infinity(), told = 0.0;
     for (std::size_t i = 0; i < count; ++i) {

@@ -58,7 +58,7 @@ PlacedSet settled(const SearchSetting& setting, Beam& beam, PlacedSet set) {
   if (leave_out_wrong_starts(setting.options, beam.records, set.model))
     set.model = fit_in_turn(setting, beam.records, std::move(set.model)).model;
   score_starts_again(setting, beam.records, set.model);
-  beam.records.stretches = stretches_of(beam.records.train, set.model, setting.options.stretches);
+  beam.records.stretches = stretches_of(beam.records.train, set.model);
   set.model = fit_in_turn(setting, beam.records, std::move(set.model)).model;
   weigh(beam.records, beam.best);
   weigh(beam.records, set);

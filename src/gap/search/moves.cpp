@@ -7,16 +7,13 @@
 #include <set>
 #include <string>
 
+#include "gap/evidence/names.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
 #include "gap/search/round.hpp"
 
 namespace bodesmith::gap {
 namespace {
-
-double explained(double before, double after) {
-  return std::sqrt(std::max(0.0, before * before - after * after));
-}
 
 /// First names for pairs: the best of every effect.
 std::vector<Ranked> firsts_among(std::vector<Ranked> ranking) {
@@ -35,11 +32,12 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
                                     const std::vector<Ranked>& firsts) {
   const auto& options = setting.options;
   std::vector<std::pair<double, Promising>> all;
+  std::set<std::string_view> missed;
   for (const auto& first : firsts) {
     if (options.is_late()) break;
     const double left = rms_of(first.model, records.look());
     std::set<const Effect*> effects;
-    for (auto& second : look_round(setting, records, first.model)) {
+    for (auto& second : look_round(setting, records, first.model, missed)) {
       if (effects.insert(second.proposal.term().effect).second)
         all.emplace_back(left * std::sqrt(std::max(0.0, 1.0 - second.score)), std::move(second));
     }
@@ -56,7 +54,8 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
 bool matters(const SearchSetting& setting, const SearchRecords& records, const Model& without,
              double rms_with) {
   const double before = rms_of(without, records.train);
-  return explained(before, rms_with) >= kExplained * std::sqrt(before * setting.first_gap);
+  const double explained = std::sqrt(std::max(0.0, before * before - rms_with * rms_with));
+  return explained >= kExplained * std::sqrt(before * setting.first_gap);
 }
 
 bool term_is_no_name(const Model& model, std::size_t term, const Experiments& train) {
@@ -68,25 +67,19 @@ bool term_is_no_name(const Model& model, std::size_t term, const Experiments& tr
 const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records, const Model& without,
                       std::vector<Ranked>& ranking) {
   std::map<const Effect*, double> held;
-  std::map<const Effect*, const Ranked*> best;
   for (auto& r : ranking) {
     if (!std::isfinite(r.log_evidence) || r.outcome == CandidateOutcome::no_name) continue;
     if (!matters(setting, records, without, r.train_rms)) {
       r.outcome = CandidateOutcome::takes_too_little;
-    } else {
-      // Greatest evidence first.
-      if (best.emplace(r.effect, &r).second) {
-        held[r.effect] = r.log_evidence;
-      } else {
-        held[r.effect] += std::log1p(std::exp(r.log_evidence - held[r.effect]));
-      }
+      continue;
     }
+    const auto [own, is_first] = held.emplace(r.effect, r.log_evidence);
+    if (!is_first) own->second += std::log1p(std::exp(r.log_evidence - own->second));
   }
+  // Greatest evidence first.
   const Ranked* winner = nullptr;
   for (const auto& r : ranking) {
-    const auto found = best.find(r.effect);
-    if (found == best.end() || found->second != &r) continue;
-    if (winner == nullptr || held[r.effect] > held[winner->effect]) winner = &r;
+    if (is_name(r) && (winner == nullptr || held[r.effect] > held[winner->effect])) winner = &r;
   }
   return winner;
 }

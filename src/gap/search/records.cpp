@@ -27,9 +27,9 @@ Experiments as_searched(Experiments experiments) {
   return experiments;
 }
 
-SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model) {
+SearchRecords make_records(const Experiments& train, const Model& model) {
   SearchRecords records{as_searched(train), {}};
-  records.stretches = stretches_of(records.train, model, options);
+  records.stretches = stretches_of(records.train, model);
   return records;
 }
 

@@ -9,7 +9,6 @@ namespace bodesmith::gap {
 /// What stays the same during a search.
 struct SearchSetting {
   const SearchOptions& options;
-  const Model& initial;    ///< the base model as given
   double first_gap = 0.0;  ///< rms that the base model leaves of the training records, refitted
 };
 
@@ -31,7 +30,7 @@ struct SearchRecords {
 Experiments as_searched(Experiments experiments);
 
 /// All starts scored, as a search begins; stretches with the leads that `model` needs.
-SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model);
+SearchRecords make_records(const Experiments& train, const Model& model);
 
 /// Holds of the engine to a sample with which its own error is no part of what the model leaves: one, but where a branch switches
 /// between samples in front of something fast.

@@ -10,14 +10,26 @@
 namespace bodesmith::gap {
 namespace {
 
-NoiseFloor floor_of(const Model& model, const TimeExperiment& experiment) {
+/// What the model leaves of a record from a sample on; nothing where it cannot be run.
+std::optional<Leftover> leftover_from(std::size_t first, const Model& model,
+                                      const TimeExperiment& experiment) {
   const auto output = output_of(model, experiment);
-  if (output.empty()) return {};
+  if (output.empty()) return std::nullopt;
   const auto& record = experiment.record();
-  std::vector<double> residual(experiment.end());
-  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = record.y[i] - output[i];
-  const auto used = std::span(record.u).first(experiment.end());
-  return noise_floor(residual, {used.begin(), used.end()}, experiment.start(), record.step_s);
+  Leftover l;
+  l.step_s = record.step_s;
+  l.dynamics = model.linear_part(0);
+  for (std::size_t i = first; i < experiment.end(); ++i) {
+    l.residual.push_back(record.y[i] - output[i]);
+    l.input.push_back(record.u[i]);
+    l.output.push_back(output[i]);
+  }
+  return l;
+}
+
+NoiseFloor floor_of(const Model& model, const TimeExperiment& experiment) {
+  const auto left = leftover_from(experiment.start(), model, experiment);
+  return left ? noise_floor(left->residual, left->input, left->step_s) : NoiseFloor();
 }
 
 /// What coherence says, whatever the model leaves.
@@ -33,17 +45,7 @@ NoiseFloor floor_of(const Model&, const FrequencyExperiment& experiment) {
 }
 
 std::optional<Leftover> leftover_of(const Model& model, const TimeExperiment& experiment) {
-  const auto output = output_of(model, experiment);
-  if (output.empty()) return std::nullopt;
-  const auto& record = experiment.record();
-  Leftover l;
-  l.step_s = record.step_s;
-  for (std::size_t i = experiment.first(); i < experiment.end(); ++i) {
-    l.residual.push_back(record.y[i] - output[i]);
-    l.input.push_back(record.u[i]);
-    l.output.push_back(output[i]);
-  }
-  return l;
+  return leftover_from(experiment.first(), model, experiment);
 }
 
 std::optional<Leftover> leftover_of(const Model& model, const FrequencyExperiment& experiment) {

@@ -30,34 +30,6 @@ bool repeats_earlier_term(const Proposal& proposal, bool in_response) {
                      [&](const Term& earlier) { return earlier.effect == effect; });
 }
 
-/// What every effect promises when the search stands at this model, best first. Those that had no time to propose themselves
-/// go to `missed`.
-std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecords& records,
-                                 const Model& model, std::set<std::string_view>& missed) {
-  auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
-  scene.threads = setting.options.threads;
-  std::vector<const Effect*> effects;
-  for (const auto* effect : effect_registry().all()) {
-    if (!scene.frequency_only || effect->facts().linear) effects.push_back(effect);
-  }
-  std::vector<std::vector<Proposal>> of_each(effects.size());
-  parallel_for(effects.size(), setting.options.threads,
-               [&](std::size_t i) { effects[i]->propose(scene, of_each[i]); });
-  std::vector<Proposal> proposals;
-  for (std::size_t i = 0; i < effects.size(); ++i) {
-    // Without its look at the residual it has no start values.
-    if (effects[i]->facts().starts_from_residual && of_each[i].empty() && scene.is_late())
-      missed.insert(effects[i]->name());
-    std::move(of_each[i].begin(), of_each[i].end(), std::back_inserter(proposals));
-  }
-  std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
-  std::map<const Effect*, std::size_t> places;
-  for (const auto& p : proposals) ++places[p.term().effect];
-  auto promising = shortlist(model, std::move(proposals), records.look(), setting.options.threads);
-  for (auto& p : promising) p.places = places[p.proposal.term().effect];
-  return promising;
-}
-
 /// The best places of each of the best effects.
 std::vector<Promising> best_of(std::vector<Promising> promising) {
   std::map<const Effect*, std::size_t> places;
@@ -128,11 +100,37 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
 
 }  // namespace
 
+std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
+                                  const Model& model, std::set<std::string_view>& missed) {
+  auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
+  scene.threads = setting.options.threads;
+  std::vector<const Effect*> effects;
+  for (const auto* effect : effect_registry().all()) {
+    if (!scene.frequency_only || effect->facts().linear) effects.push_back(effect);
+  }
+  std::vector<std::vector<Proposal>> of_each(effects.size());
+  parallel_for(effects.size(), setting.options.threads,
+               [&](std::size_t i) { effects[i]->propose(scene, of_each[i]); });
+  std::vector<Proposal> proposals;
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    // Without its look at the residual it has no start values.
+    if (effects[i]->facts().starts_from_residual && of_each[i].empty() && scene.is_late())
+      missed.insert(effects[i]->name());
+    std::move(of_each[i].begin(), of_each[i].end(), std::back_inserter(proposals));
+  }
+  std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
+  std::map<const Effect*, std::size_t> places;
+  for (const auto& p : proposals) ++places[p.term().effect];
+  auto promising = shortlist(model, std::move(proposals), records.look(), setting.options.threads);
+  for (auto& p : promising) p.places = places[p.proposal.term().effect];
+  return promising;
+}
+
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
   const auto& options = setting.options;
   FittedRound round;
   std::set<std::string_view> missed;
-  const auto chosen = best_of(look_from(setting, records, model, missed));
+  const auto chosen = best_of(look_round(setting, records, model, missed));
   if (options.stopped()) return {};
   auto fitted = fit_candidates(setting, records, chosen);
   for (std::size_t i = 0; i < fitted.size(); ++i) {
@@ -141,12 +139,6 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   round.not_tried.assign(missed.begin(), missed.end());
   round.ranking = rank(setting, records, std::move(fitted));
   return round;
-}
-
-std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& model) {
-  std::set<std::string_view> missed;
-  return look_from(setting, records, model, missed);
 }
 
 std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records,

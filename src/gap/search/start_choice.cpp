@@ -66,15 +66,16 @@ SearchResult search_all(const chain::Chain& base, const Experiments& train, cons
 /// The same model from another start, refitted and not searched again.
 Tried from_other_start(Model model, Start start, const Experiments& train, const SearchOptions& options) {
   model.set_start(start);
-  const SearchSetting setting{options, model};
-  const SearchRecords records = make_records(train, options.stretches, model);
+  const SearchSetting setting{options};
+  const SearchRecords records = make_records(train, model);
   return tried(fit_in_turn(setting, records, model).model, train, options);
 }
 
 }  // namespace
 
-StartedSearch search_from_start(const chain::Chain& base, const Experiments& train,
-                                const SearchOptions& options) {
+std::pair<SearchResult, std::optional<StartChoice>> search_from_start(const chain::Chain& base,
+                                                                      const Experiments& train,
+                                                                      const SearchOptions& options) {
   if (base.start || !any_begins_under_bias(train)) return {search_all(base, train, options), std::nullopt};
   const auto at_rest = started(base, Start::equilibrium);
   const Start first = rms_of(Model(at_rest), as_searched(train)) < rms_of(Model(base), as_searched(train))

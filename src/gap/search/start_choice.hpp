@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "chain/chain.hpp"
 #include "gap/search.hpp"
@@ -21,15 +22,12 @@ struct StartChoice {
 /// One sentence, for a person.
 std::string to_text(const StartChoice& choice);
 
-struct StartedSearch {
-  SearchResult search;
-  std::optional<StartChoice> start;  ///< nothing: there was nothing to choose
-};
 /// search() (again with all starts scored, where one stands out) from the start that explains the training records, where one of them begins under bias and the model does not say
 /// how it starts. The start under which the model as given comes nearer is searched from (zero where both are alike). When what was
 /// found explains how the records begin, and leaves no more than the same refitted from the other start, that is all; otherwise
-/// the other one is searched from too, and what has the greater evidence of the whole records is chosen.
-StartedSearch search_from_start(const chain::Chain& base, const Experiments& train,
-                                const SearchOptions& options);
+/// the other one is searched from too, and what has the greater evidence of the whole records is chosen. No choice: there was none.
+std::pair<SearchResult, std::optional<StartChoice>> search_from_start(const chain::Chain& base,
+                                                                      const Experiments& train,
+                                                                      const SearchOptions& options);
 
 }  // namespace bodesmith::gap

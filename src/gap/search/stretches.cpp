@@ -70,9 +70,9 @@ bool is_settled_in(const TimeExperiment& stretch, const Part& part, const TimeRe
 
 }  // namespace
 
-Experiments stretches_of(const Experiments& train, const Model& model, const StretchOptions& options) {
+Experiments stretches_of(const Experiments& train, const Model& model, std::size_t samples) {
   Experiments stretches;
-  if (scored_samples(train) <= 3 * options.samples / 2) return stretches;
+  if (scored_samples(train) <= 3 * samples / 2) return stretches;
   for (const auto& e : train) {
     const auto* whole = std::get_if<TimeExperiment>(&e);
     if (whole == nullptr) {
@@ -86,7 +86,7 @@ Experiments stretches_of(const Experiments& train, const Model& model, const Str
     for (std::size_t i = whole->start(); i < left.size(); ++i)
       left[i] = record.y[i] - (runs ? output[i] : 0.0);
     const std::size_t lead = whole->start();
-    const Part part = liveliest(left, lead, options.samples / train.size());
+    const Part part = liveliest(left, lead, samples / train.size());
     auto stretch = stretch_of(*whole, part, lead);
     if (part.begin > 0 && runs && !is_settled_in(stretch, part, record, output, model))
       stretch = stretch_of(*whole, {0, part.end}, part.begin + lead);

@@ -8,6 +8,7 @@
 
 #include "gap/signs/chance.hpp"
 #include "numeric/index.hpp"
+#include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -29,41 +30,44 @@ ScaledSignals scaled(const Leftover& r, const SignalScales& s) {
   return out;
 }
 
-/// Any static curve of y: cosines of so many halves of a period over its range.
-void add_curves(const Column& y, std::vector<Column>& columns) {
+/// Any static curve: cosines of so many halves of a period over its range.
+void add_curves(const Column& v, std::vector<Column>& columns) {
   for (std::size_t halves = 1; halves <= kNeighbours; ++halves) {
-    Column& c = columns.emplace_back(y);
-    for (double& v : c) v = std::cos(0.5 * std::numbers::pi * static_cast<double>(halves) * (v + 1.0));
+    Column& c = columns.emplace_back(v);
+    for (double& x : c) x = std::cos(0.5 * std::numbers::pi * static_cast<double>(halves) * (x + 1.0));
   }
 }
 
-/// Features of the present sample: of the output y (any curve of it stands elsewhere), its change v, the input u, and its branch: 1 while
-/// it rises, -1 while it falls.
-std::vector<Column> memoryless_features(const ScaledSignals& s) {
-  std::vector<Column> columns;
-  double branch = 1.0;
-  for (std::size_t i = 0; i < s.y.size(); ++i) {
-    const double y = s.y[i], u = s.u[i];
-    const double v = i > 0 ? y - s.y[i - 1] : 0.0;
-    if (i > 0 && u != s.u[i - 1]) branch = u > s.u[i - 1] ? 1.0 : -1.0;
-    const std::array now = {y, v, std::abs(v), y * v, branch, branch * u, branch * u * u, u, u * u};
-    columns.resize(now.size());
+void add_earlier(const Column& x, std::size_t lag, std::vector<Column>& columns) {
+  Column& c = columns.emplace_back(x);
+  for (std::size_t i = 0; i < c.size(); ++i) c[i] = x[i > lag ? i - lag : 0];
+}
+
+/// Of the output: itself, its change, curves of it, and earlier ones (what linear dynamics of any kind and an echo leave is a sum of these).
+std::vector<Column> output_features(const Column& y, std::size_t apart) {
+  std::vector<Column> columns(4);
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double v = i > 0 ? y[i] - y[i - 1] : 0.0;
+    const std::array now = {y[i], v, std::abs(v), y[i] * v};
     for (std::size_t k = 0; k < now.size(); ++k) columns[k].push_back(now[k]);
   }
+  add_curves(y, columns);
+  for (std::size_t k = 1; k <= kNeighbours; ++k) add_earlier(y, k * apart, columns);
   return columns;
 }
 
-/// Features that remember: earlier inputs, plays and slow averages of them, earlier outputs (what linear dynamics of any kind and an echo
-/// leave is a sum of these).
-void add_memory_features(const ScaledSignals& s, std::size_t apart, std::vector<Column>& columns) {
-  const Column& u = s.u;
+/// Of the input: itself, curves of it, its branch (1 while it rises, -1 while it falls), earlier ones, plays and slow averages.
+std::vector<Column> input_features(const Column& u) {
   const std::size_t n = u.size();
-  const auto add_earlier = [&](const Column& x, std::size_t lag) {
-    Column& c = columns.emplace_back(n);
-    for (std::size_t i = 0; i < n; ++i) c[i] = x[i > lag ? i - lag : 0];
-  };
-  for (std::size_t lag : {1U, 2U, 4U}) add_earlier(u, lag);
-  for (std::size_t k = 1; k <= kNeighbours; ++k) add_earlier(s.y, k * apart);
+  std::vector<Column> columns(4);
+  double branch = 1.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0 && u[i] != u[i - 1]) branch = u[i] > u[i - 1] ? 1.0 : -1.0;
+    const std::array now = {u[i], branch, branch * u[i], branch * u[i] * u[i]};
+    for (std::size_t k = 0; k < now.size(); ++k) columns[k].push_back(now[k]);
+  }
+  add_curves(u, columns);
+  for (std::size_t lag : {1U, 2U, 4U}) add_earlier(u, lag, columns);
   for (double radius : {0.05, 0.2, 0.5}) {
     Column play(n);
     double z = 0.0;
@@ -78,6 +82,15 @@ void add_memory_features(const ScaledSignals& s, std::size_t apart, std::vector<
     double z = 0.0;
     for (std::size_t i = 0; i < n; ++i) c[i] = z += (u[i] - z) / samples;
   }
+  return columns;
+}
+
+/// What a column becomes through the model's linear dynamics, which rest where it begins.
+Column through(const chain::Chain& dynamics, double step_s, Column c) {
+  if (dynamics.blocks.empty()) return c;
+  const double first = c.front();
+  for (double& v : c) v -= first;
+  return simulate::RecordSimulator(dynamics, step_s).run_once(c);
 }
 
 Eigen::MatrixXd of_zero_mean(const std::vector<Column>& columns) {
@@ -124,9 +137,9 @@ SignalScales signal_scales(const std::vector<Leftover>& records) {
 
 Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scales) {
   const auto signals = scaled(record, scales);
-  auto columns = memoryless_features(signals);
-  add_memory_features(signals, scales.eighth_of_period, columns);
-  add_curves(signals.y, columns);
+  auto columns = output_features(signals.y, scales.eighth_of_period);
+  for (Column& c : input_features(signals.u))
+    columns.push_back(through(record.dynamics, record.step_s, std::move(c)));
   return of_zero_mean(columns);
 }
 

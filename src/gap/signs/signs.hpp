@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "chain/chain.hpp"
+
 namespace bodesmith::gap {
 
 /// What a model leaves of one record, scored samples only: what signs of structure are looked for in.
@@ -11,6 +13,7 @@ struct Leftover {
   std::vector<double> input;
   std::vector<double> output;
   double step_s = 0.0;
+  chain::Chain dynamics;  ///< the model's linear blocks
   /// Of a frequency response instead: relative residual, real and imaginary part point by point.
   std::vector<double> response;
 };

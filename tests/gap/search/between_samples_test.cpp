@@ -62,7 +62,7 @@ struct Fits {
 Fits fits_of(bool smooth) {
   const gap::SearchOptions options;
   const gap::Model initial(low_pass());
-  const gap::SearchSetting setting{options, initial};
+  const gap::SearchSetting setting{options};
   const gap::SearchRecords records{record_of_sines(smooth), {}};
   const auto model = gap::fit(initial, records.train).model;
   Fits fits{gap::rms_of(model, records.train), 0.0};

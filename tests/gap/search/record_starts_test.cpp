@@ -56,7 +56,7 @@ TEST(RecordStarts, AreScoredAgainUnderAModelInWhichTheyDoNotStandOut) {
   const chain::Chain line = model_of("[[block]]\ntype = \"gain\"\ngain = 1.0\nfree = [\"gain\"]\n");
   gap::Model model(line);
   const gap::SearchOptions options;
-  const gap::SearchSetting setting{options, model};
+  const gap::SearchSetting setting{options};
   gap::SearchRecords records{{off_at_start(1.0), off_at_start(2.0)}, {}};
   for (auto& one : records.train) std::get<gap::TimeExperiment>(one).leave_out_start();
   gap::score_starts_again(setting, records, model);

@@ -29,11 +29,7 @@ TimeRecord strokes() {
   return r;
 }
 
-gap::StretchOptions short_stretches() {
-  gap::StretchOptions options;
-  options.samples = 3000;
-  return options;
-}
+constexpr std::size_t kShortStretches = 3000;
 
 struct Stretched {
   gap::Experiments train;
@@ -49,7 +45,7 @@ Stretched stretched(const gap::Model& model, double gap_share) {
   for (double& y : record.y) y *= 1.0 + gap_share;
   Stretched out;
   out.train.emplace_back(gap::TimeExperiment(record));
-  out.stretches = gap::stretches_of(out.train, model, short_stretches());
+  out.stretches = gap::stretches_of(out.train, model, kShortStretches);
   return out;
 }
 
@@ -62,7 +58,7 @@ TEST(Stretches, AreOfLongRecordsAlone) {
   record.u.resize(5000);
   record.y.resize(5000);
   const gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\n"));
-  EXPECT_TRUE(gap::stretches_of({gap::TimeExperiment(record)}, model, gap::StretchOptions{}).empty());
+  EXPECT_TRUE(gap::stretches_of({gap::TimeExperiment(record)}, model).empty());
 }
 
 TEST(Stretches, BeginShortlyBeforeWhatIsScoredWhereNothingIsRemembered) {
@@ -79,7 +75,7 @@ TEST(Stretches, GoBackToWhatMemoryHolds) {
   // Behind the full stroke's turns, the first of which is at .05 s.
   EXPECT_LT(cut.stretch().record().start_s, 0.06);
   EXPECT_GT(cut.stretch().first(), 1000U);
-  EXPECT_EQ(cut.stretch().scored(), short_stretches().samples);
+  EXPECT_EQ(cut.stretch().scored(), kShortStretches);
   // What is left of the stretch is what is left of the whole record there.
   const auto& whole = std::get<gap::TimeExperiment>(cut.train.front());
   const auto output = gap::output_of(model, whole);
@@ -104,12 +100,12 @@ TEST(Stretches, AreWhereMostIsLeft) {
     record.y.push_back(2.0 * record.u[i] + (t > 3.0 && t < 5.0 ? 0.01 * std::sin(200.0 * t) : 0.0));
   }
   const gap::Experiments train{gap::TimeExperiment(record)};
-  const gap::Experiments stretches = gap::stretches_of(train, model, short_stretches());
+  const gap::Experiments stretches = gap::stretches_of(train, model, kShortStretches);
   const auto& stretch = std::get<gap::TimeExperiment>(stretches.front());
   const double scored_from = stretch.record().start_s + static_cast<double>(stretch.first()) * record.step_s;
   EXPECT_LT(scored_from, 3.01);
   EXPECT_GT(scored_from + 3.0, 4.99);
-  EXPECT_EQ(stretch.scored(), short_stretches().samples);
+  EXPECT_EQ(stretch.scored(), kShortStretches);
 }
 
 }  // namespace

@@ -115,13 +115,12 @@ FractionalOperator::FractionalOperator(const FractionalDynamic& model)
 double FractionalOperator::reset(double u) {
   u_ = u;
   time_ = 0.0;
-  double z = spread_.direct * u;
-  for (std::size_t k = 0; k < lag_.size(); ++k) {
-    lag_[k] = u / spread_.sigma[k];
-    z += spread_.weight[k] * lag_[k];
-  }
-  plant_ << z, model_.k_m * z / (model_.omega_n * model_.omega_n), 0.0;
-  return plant_(1) + model_.delta;
+  for (std::size_t k = 0; k < lag_.size(); ++k) lag_[k] = u / spread_.sigma[k];
+  const double z = spread_.response(0.0).real() * u;
+  const double per_force = model_.k_m / (model_.omega_n * model_.omega_n);
+  plant_ << z, per_force * z, 0.0;
+  constant_ = per_force * (model_.k_p * u - z) + model_.delta;
+  return plant_(1) + constant_;
 }
 
 void FractionalOperator::prepare(double dt_s) {
@@ -177,7 +176,10 @@ void FractionalOperator::advance(double u, double dt_s, double* lags, Eigen::Vec
 }
 
 double FractionalOperator::step(double u, double dt_s) {
-  if (!(dt_s > 0.0)) return plant_(1) + model_.rho * time_ + model_.delta;
+  if (!(dt_s > 0.0)) {  // a jump, as to the first sample of a record that begins with all states zero
+    u_ = u;
+    return plant_(1) + model_.rho * time_ + constant_;
+  }
   if (dt_s != prepared_) prepare(dt_s);
   Eigen::Vector3d plant;
   advance(u, dt_s, scratch_.data(), plant);
@@ -185,7 +187,7 @@ double FractionalOperator::step(double u, double dt_s) {
   plant_ = plant;
   u_ = u;
   time_ += dt_s;
-  return plant_(1) + model_.rho * time_ + model_.delta;
+  return plant_(1) + model_.rho * time_ + constant_;
 }
 
 double FractionalOperator::peek(double u, double dt_s) const {
@@ -195,7 +197,7 @@ double FractionalOperator::peek(double u, double dt_s) const {
   }
   Eigen::Vector3d plant;
   advance(u, dt_s, scratch_.data(), plant);
-  return plant(1) + model_.rho * (time_ + dt_s) + model_.delta;
+  return plant(1) + model_.rho * (time_ + dt_s) + constant_;
 }
 
 FractionalPolynomial FractionalDynamic::denominator() const {
@@ -273,22 +275,6 @@ class CrowdedPoints {
   double h_;
 };
 
-/// From where F is still its constant to where it is its own tail: eight decades either side of the corners,
-/// and of the lag and the resonance, which see the middle of it.
-CrowdedPoints points_of(const FractionalDynamic& model, double anchor) {
-  double low = std::min(anchor, model.omega_n);
-  double high = std::max(anchor, model.omega_n);
-  const auto corner = [&](double coefficient, double exponent) {
-    if (!(coefficient > 0.0)) return;
-    const double at = std::pow(coefficient, -1.0 / exponent);
-    low = std::min(low, std::max(at, 1e-9 * model.omega_n));
-    high = std::max(high, std::min(at, 1e9 * model.omega_n));
-  };
-  corner(model.chi, model.lambda);
-  corner(model.theta / model.k_p, model.eta);
-  return {model, low * 1e-5, high * 1e3};
-}
-
 /// r(σ) = −(1/π) Im F(σ e^(iπ)).
 double density(const FractionalDynamic& model, double sigma) {
   const Complex up = model.k_p + model.theta * std::polar(std::pow(sigma, model.eta), pi * model.eta);
@@ -299,26 +285,27 @@ double density(const FractionalDynamic& model, double sigma) {
 }  // namespace
 
 LagSpread LagSpread::of(const FractionalDynamic& model, double anchor) {
-  const CrowdedPoints points = points_of(model, anchor);
+  const double slow = std::min(anchor, model.omega_n);
+  const double fast = std::max(anchor, model.omega_n);
+  const CrowdedPoints points(model, slow * 1e-8, fast * 1e5);
   const double at_anchor = points.number(std::log(anchor));
   const double first = std::ceil(points.number_at_start() - at_anchor - 0.5);
   LagSpread out;
-  out.direct = model.k_p;
   for (int k = 0; k < model.modes; ++k) {
     const double x = points.point(at_anchor + first + k + 0.5);
-    const double sigma = std::exp(x);
-    const double r = density(model, sigma) * points.spacing(x);
-    out.sigma.push_back(sigma);
-    out.weight.push_back(r * sigma);
-    out.direct -= r;
+    out.sigma.push_back(std::exp(x));
+    out.weight.push_back(density(model, out.sigma.back()) * points.spacing(x) * out.sigma.back());
   }
-  // What lies below the first section moves too slowly to follow anything: only its constant. Its density
-  // falls with the smaller exponent.
-  const double exponent = model.chi > 0.0 && model.theta != 0.0 ? std::min(model.eta, model.lambda)
-                          : model.chi > 0.0                     ? model.lambda
-                                                                : model.eta;
-  const double edge = std::exp(points.point(at_anchor + first));
-  out.direct -= density(model, edge) / exponent;
+  // What lies below the first section is a constant to all that moves, what lies above the last one a slope: the constant and the
+  // last section's weight are those with which F is exact at two places on the real axis.
+  out.weight.back() = 0.0;
+  const double low = 0.03 * slow;
+  const double high = 3.0 * fast;
+  const double last = out.sigma.back();
+  const double left_low = (model.fractional_part(low) - out.response(low)).real();
+  const double left_high = (model.fractional_part(high) - out.response(high)).real();
+  out.weight.back() = (left_low - left_high) / (1.0 / (low + last) - 1.0 / (high + last));
+  out.direct = left_low - out.weight.back() / (low + last);
   return out;
 }
 

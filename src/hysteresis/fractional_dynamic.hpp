@@ -50,7 +50,8 @@ struct FractionalDynamic {
   double static_gain() const { return k_m * k_p / (omega_n * omega_n); }
 };
 
-/// F as constant + Σ weight_k/(s + sigma_k).
+/// F as constant + Σ weight_k/(s + sigma_k), sigma from 1e-8 of the slower of lag and resonance to 1e5 times the faster: within
+/// some 1e-5 from a ten-thousandth of these up to both.
 struct LagSpread {
   double direct = 0.0;
   std::vector<double> sigma;
@@ -80,6 +81,8 @@ class FractionalOperator final : public Operator {
   Eigen::Vector3d plant_ = Eigen::Vector3d::Zero();  ///< lag's output, resonator's position and velocity
   double u_ = 0.0;
   double time_ = 0.0;
+  /// delta, and what lags slower than all sections hold of the input that a reset rested under.
+  double constant_ = 0.0;
   // For the sampling time `prepared_`:
   double prepared_ = -1.0;
   std::vector<double> decay_;   ///< e^(−σ h)

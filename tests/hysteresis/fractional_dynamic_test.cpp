@@ -53,10 +53,10 @@ TEST(Fractional, StepIsMittagLeffler) {
   model.theta = 0.0;
   model.chi = 1.0;
   model.lambda = 0.5;
-  model.tau = 1e-6;
-  model.omega_n = 1e6;
+  model.tau = 1e-5;
+  model.omega_n = 1e5;
   model.xi = 0.7;
-  model.k_m = 1e12;
+  model.k_m = 1e10;
   model.modes = 120;
   FractionalOperator op(model);
   op.reset(0.0);
@@ -100,6 +100,43 @@ TEST(Fractional, SectionsAgreeWithGrunwaldLetnikovAndTheFrequencyResponse) {
   }
   sum *= 2.0 / (10.0 * period) * std::complex<double>(0.0, 1.0);
   EXPECT_LT(std::abs(sum / model.response({0.0, w}) - 1.0), 1e-3);
+}
+
+/// Whatever the orders and wherever the corners: as exact from a ten-thousandth of the lag's and the resonance's corners up to
+/// them. Parameters are drawn.
+TEST(Fractional, SectionsAreTheFractionalPartOfDrawnModels) {
+  const auto drawn = [](int i, int k, double low, double high) {
+    return low + (high - low) * std::fmod(0.5 + i * std::sqrt(2.0 + 3.0 * k), 1.0);
+  };
+  for (int i = 0; i < 60; ++i) {
+    FractionalDynamic model = table_1();
+    model.k_p = 1.0;
+    model.eta = drawn(i, 0, 0.1, 0.9);
+    model.lambda = drawn(i, 1, 0.1, 0.9);
+    model.theta = std::pow(10.0, drawn(i, 2, -5.0, 0.0));
+    model.chi = std::pow(10.0, drawn(i, 3, -5.0, 0.0));
+    const LagSpread spread = LagSpread::of(model, 1.0 / model.tau);
+    for (double w = 1e-4 / model.tau; w < model.omega_n; w *= 2.1) {
+      const std::complex<double> s(0.0, w);
+      EXPECT_LT(std::abs(spread.response(s) / model.fractional_part(s) - 1.0), 1e-3) << i << " at " << w;
+    }
+  }
+}
+
+/// At rest the output is the static gain's, and stays; an input that jumps is one that moves within next to no time.
+TEST(Fractional, RestsAndJumps) {
+  FractionalDynamic model = table_1();
+  model.rho = 0.0;
+  FractionalOperator op(model);
+  const double rest = model.static_gain() * 0.7 + model.delta;
+  EXPECT_NEAR(op.reset(0.7), rest, 1e-12);
+  for (int i = 0; i < 50; ++i) EXPECT_NEAR(op.step(0.7, 1e-3), rest, 1e-9);
+  FractionalOperator moved(model);
+  op.reset(0.0);
+  moved.reset(0.0);
+  op.step(1.0, 0.0);
+  moved.step(1.0, 1e-9);
+  for (int i = 0; i < 50; ++i) EXPECT_NEAR(op.step(1.0, 1e-4), moved.step(1.0, 1e-4), 1e-5);
 }
 
 /// No time, no change; peek() is what step() will say at any step, rho t and delta in it.

@@ -451,8 +451,9 @@ struct RecordSimulator::Implementation {
     const double* u = signal.data();
     double* y = other.data();
     for (const HoldSpan& span : run.plan.spans) {
-      collocation.prepare(*system, span.h,
-                          {options.max_parts, options.max_turn_rad, options.newton_tolerance});
+      // The turn of a sample interval chooses the steps, so that holds of half the length are in steps of half the length.
+      const double turn = options.max_turn_rad / static_cast<double>(options.oversample);
+      collocation.prepare(*system, span.h, {options.max_parts, turn, options.newton_tolerance});
       switch (collocation.run(*system, u, y, span.holds, x)) {
         case CollocationPropagator::Outcome::finished:
           break;

@@ -57,6 +57,26 @@ TEST(RecordEngine, ManyEqualLagsOfARampAreExact) {
   }
 }
 
+/// Also where the dynamics are so fast that a sample interval is many steps: half the step is half of each of them. An op-amp
+/// at its rail has a kink within them.
+TEST(RecordEngine, StatesTheErrorOfDynamicsFasterThanTheSamples) {
+  const double step_s = 1e-3;
+  const auto in = record_of(60, step_s, [](double t) { return 0.5 * std::sin(2.0 * kPi * 50.0 * t); });
+  for (const double bandwidth_hz : {190.0, 530.0, 1000.0}) {
+    const Chain chain{{make_block("opamp")
+                           .set("gain", 4.0)
+                           .set("gain_bandwidth_hz", 4.0 * bandwidth_hz)
+                           .set("slew_rate_v_per_s", 800.0)
+                           .set("lower_rail_v", -0.386)}};
+    Options options = by_record();
+    options.estimate_error = true;
+    const Result got = simulate(chain, in, options);
+    const double off = max_difference(got.y, simulate(chain, in, cvode()).y);
+    EXPECT_GT(off, 1e-6);
+    EXPECT_LT(off, 4.0 * *got.error_estimate) << bandwidth_hz;
+  }
+}
+
 TEST(RecordEngine, ADelayThatIsNoMultipleOfTheStepIsExactInALinearRun) {
   const double tau = 1.0 / (2.0 * kPi * 3.0);
   const double delay = 0.0337;

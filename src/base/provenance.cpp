@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "base/files.hpp"
@@ -22,7 +23,9 @@ std::string sha256_hex(std::string_view bytes) {
 
 std::string Provenance::read(const std::filesystem::path& path) {
   std::string bytes = read_file(path);
-  inputs.push_back({path.string(), sha256_hex(bytes), {}});
+  // A document that says what it is, is read once more by what it is for.
+  if (std::ranges::find(inputs, path.string(), &InputFile::path) == inputs.end())
+    inputs.push_back({path.string(), sha256_hex(bytes), {}});
   remember_input(path);
   return bytes;
 }

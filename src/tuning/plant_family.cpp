@@ -10,6 +10,7 @@
 #include "chain/model_file.hpp"
 #include "fit/measured/measured_fit.hpp"
 #include "lti/sections.hpp"
+#include "numeric/linear_algebra/dense.hpp"
 #include "signal/bode_points.hpp"
 
 namespace bodesmith::tuning {
@@ -153,8 +154,8 @@ void add_corners(PlantFamily& out, std::size_t plain, const PlantSpread& spread)
   }
 }
 
-Response checked_model(const std::string& file, Provenance& from) {
-  const chain::Chain model = chain::read_model(file, from);
+chain::Chain checked_model(const std::string& file, Provenance& from) {
+  chain::Chain model = chain::read_model(file, from);
   for (const chain::Block& block : model.blocks) {
     if (!block.response(RadPerSecond{1.0}))
       throw InputError(file, block.line,
@@ -162,7 +163,25 @@ Response checked_model(const std::string& file, Provenance& from) {
                                    "blocks to tune a loop round",
                                    block.type_name()));
   }
-  return [model](RadPerSecond w) { return *model.response(w); };
+  return model;
+}
+
+/// From the slowest to the fastest pole of its blocks; an integrator's stands for none.
+std::optional<Band> corners_of(const chain::Chain& model) {
+  std::optional<Band> out;
+  for (const chain::Block& block : model.blocks) {
+    const chain::Kernel kernel = block.kernel();
+    const auto* linear = std::get_if<chain::LinearKernel>(&kernel);
+    if (linear == nullptr) continue;
+    const auto order = static_cast<Eigen::Index>(linear->order());
+    for (const Complex pole :
+         eigenvalues(Eigen::Map<const Eigen::MatrixXd>(linear->a.data(), order, order))) {
+      if (std::abs(pole) < 1e-9) continue;  // the engines' integrators have theirs a little beside 0
+      const Hertz at = RadPerSecond{std::abs(pole)}.hz();
+      out = out ? Band{std::min(out->from, at), std::max(out->to, at)} : Band{at, at};
+    }
+  }
+  return out;
 }
 
 std::optional<Band> corners_of(const Sections& sections) {
@@ -216,7 +235,9 @@ PlantFamily read_plant(const std::string& file, double sigmas, Provenance& from)
                       out.band->from.value, out.band->to.value));
     add_sections(sections, deviations_of(node));
   } else {
-    out.members.push_back({file, checked_model(file, from)});
+    const chain::Chain model = checked_model(file, from);
+    out.band = corners_of(model);
+    out.members.push_back({file, [model](RadPerSecond w) { return *model.response(w); }});
   }
   return out;
 }
@@ -228,7 +249,9 @@ PlantFamily read_plants(const std::vector<std::string>& files, const PlantSpread
   out.members.front().name = "nominal";
   for (std::size_t i = 1; i < files.size(); ++i) {
     // Each further file is a plant as it stands: its neighbours would count its noise twice.
-    out.members.push_back(read_plant(files[i], spread.sigmas, from).nominal());
+    const PlantFamily other = read_plant(files[i], spread.sigmas, from);
+    out.members.push_back(other.nominal());
+    if (out.band && other.band) out.band->to = std::max(out.band->to, other.band->to);
   }
   add_corners(out, out.members.size(), spread);
   return out;

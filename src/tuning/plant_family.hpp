@@ -21,8 +21,9 @@ struct PlantMember {
 /// The plants that a controller shall serve, the nominal one first.
 struct PlantFamily {
   std::vector<PlantMember> members;
-  std::optional<Band> band;  ///< where the nominal plant was measured, or has its corners
-  double rms_fit_db = 0.0;   ///< of a measured response: how well its model fits
+  std::optional<Band>
+      band;  ///< where the nominal plant was measured, or has its corners; up to the highest of any file's
+  double rms_fit_db = 0.0;  ///< of a measured response: how well its model fits
 
   const PlantMember& nominal() const { return members.front(); }
 };

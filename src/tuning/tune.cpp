@@ -358,8 +358,7 @@ std::vector<std::string> missed_of(const std::vector<MemberMargins>& members, co
 
 Band searched(const PlantFamily& plants) {
   if (!plants.band)
-    throw DesignError(
-        "the plant states no band (a model of blocks, or sections without corners), expected a bandwidth in Hz");
+    throw DesignError("the plant states no band (it has no corners), expected a bandwidth in Hz");
   // An integral alone keeps any margin far enough below the corners.
   return Band{Hertz{plants.band->from.value / 100.0}, plants.band->to};
 }

@@ -265,6 +265,30 @@ TEST_F(Tune, ALightResonanceIsNotched) {
   }
 }
 
+/// Two decades above the crossover, in a model of blocks as in sections.
+TEST_F(Tune, AResonanceFarAboveTheCrossoverIsSeen) {
+  const double w = kTwoPi * 1000.0;
+  const auto plant = [&](Complex s) { return 1.0 / (1.0 + 0.004 * s / w + s * s / (w * w)); };
+  write_file(
+      folder / "plant.toml",
+      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"resonator\"\nnatural_frequency_hz = 1000.0\n"
+      "damping_ratio = 0.002\n");
+  Provenance from;
+  const PlantFamily plants = read_plants({(folder / "plant.toml").string()}, {}, from);
+  EXPECT_EQ(from.inputs.size(), 1u);
+  TuneOptions options;
+  options.limits = {60.0, 6.0, std::nullopt};
+  options.bandwidth = Hertz{5.0};
+  const TunedLoop made = tune(plants, kind(0), options);
+  const LeastMargins told = least_margins(made.members);
+  double most = 0.0;
+  for (double f = 0.5; f < 1e4; f *= 1.00005) {
+    const Complex s(0.0, kTwoPi * f);
+    most = std::max(most, 1.0 / std::abs(1.0 + pid(made.controller, s) * plant(s)));
+  }
+  EXPECT_NEAR(told.max_sensitivity, most, 0.01 * most);
+}
+
 TEST_F(Tune, AFractionalControllerKeepsItsMarginsAsMade) {
   const DrawnPlant plant{2.0, 0.5, 0.05, 0.02};
   TuneOptions options;

@@ -198,7 +198,7 @@ BoardInTime judged(const Project& project, const tracking::Reference& reference,
   for (std::size_t n = 0; n < a_repeat; ++n)
     wanted.push_back(reference.value((static_cast<double>(n) + 0.5) / static_cast<double>(a_repeat)));
   const tracking::PolynomialStage stage = own_stage(project);
-  BoardInTime out;
+  BoardInTime out{.frequency = operating, .followed_s = drive.step_s * static_cast<double>(drive.v.size())};
   out.rms_percent = tracking::tracking_error(stage.response(drive.v, drive.step_s, operating), wanted,
                                              static_cast<double>(a_repeat) * drive.step_s)
                         .rms_percent_without_lag;

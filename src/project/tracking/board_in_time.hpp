@@ -9,6 +9,8 @@ namespace bodesmith::project {
 
 /// A board in time, at one frequency, by ngspice and by charge conservation (fpaa::BoardRun).
 struct BoardInTime {
+  Hertz frequency{0.0};
+  double followed_s = 0.0;          ///< behind what the start leaves
   double rms_percent = 0.0;         ///< what the stage makes of ngspice's drive, the best pure delay removed
   double difference_percent = 0.0;  ///< rms between both drives, of the stroke
 };

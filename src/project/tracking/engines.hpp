@@ -21,7 +21,8 @@ CircuitTracked track_circuit(const Project& project, const Design& design,
 std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::Report& followed,
                                    const CircuitTracked& circuit, const std::vector<BoardsInTime>& boards);
 
-/// A sentence for each row whose engines are further apart than they should be where both are right.
+/// A sentence for each row whose engines are further apart than they should be where both are right, or whose closed form leaves out
+/// more than that.
 std::vector<std::string> engine_warnings(const std::vector<EngineRow>& rows);
 
 report::Table engine_table(const std::vector<EngineRow>& rows);

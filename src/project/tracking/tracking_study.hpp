@@ -95,6 +95,9 @@ struct EngineRow {
   /// either of them.
   std::optional<double> agreement_percent = {};
   std::string missing = {};  ///< why an engine has no figure
+  /// Where what the closed form leaves out (BoardsInTime::apart) makes most, and its share: ngspice's figure less the closed form's, there.
+  std::string apart_where = {};
+  double apart_percent = 0.0;
 };
 
 /// Table II of the disturbance paper (docs/papers.md) by simulation, on a stage that reads its drive.

@@ -234,8 +234,10 @@ TEST(Engines, ARowIsTheWorstOfEachEngineAndOfWhatIsBetweenThem) {
       if (!parts) one.displacement[1] = 1.0 + hz / 100.0;
     }
   }
-  BoardsInTime board{
-      std::string(tracked::sections), {{0.4, 0.001}, {0.2, 0.05}}, "ngspice ran at 100 Hz", "images"};
+  BoardsInTime board{std::string(tracked::sections),
+                     {{Hertz{100.0}, 0.1, 0.4, 0.001}, {Hertz{10.0}, 1.0, 0.2, 0.05}},
+                     "ngspice ran at 100 Hz",
+                     "images"};
   const std::vector<EngineRow> rows =
       engine_rows(study, figures.report, circuit, {board, {"absent", {}, "", ""}});
   ASSERT_EQ(rows.size(), 3u);
@@ -258,6 +260,7 @@ TEST(Engines, ARowIsTheWorstOfEachEngineAndOfWhatIsBetweenThem) {
   EXPECT_THAT(
       engine_warnings(rows),
       ElementsAre(HasSubstr(name),
+                  "the sections: at 100 Hz 2.5 % of range by closed form, 0.4 by ngspice over 0.1 s: images",
                   HasSubstr("the sections: its engines are 0.05 % of range apart in time, more than 0.02")));
   const report::Table table = engine_table(rows);
   EXPECT_THAT(table.rows[0], ElementsAre("analog controller", "0.2000", "0.3000", "absent", "0.0100"));

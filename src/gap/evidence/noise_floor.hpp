@@ -36,7 +36,8 @@ constexpr double kLeastRest = 1e-7;
 /// "periods", "high_frequency" or "unknown", as in diagnosis.json.
 std::string to_string(NoiseFloor::Source source);
 
-/// Noise from the residual of a record whose input repeats every `period` samples (at least two whole periods): the part that does not repeat, with the degrees of freedom that the mean takes counted.
+/// Noise from the residual of a record whose input repeats every `period` samples (at least two whole periods): the part that does
+/// not repeat, with the degrees of freedom that the mean takes counted.
 NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t period);
 
 /// Noise from the residual above the band in which the input has power, taken as white. Unknown when the

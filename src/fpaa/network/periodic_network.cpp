@@ -25,7 +25,7 @@ Index index(std::size_t i) {
 /// x of (turn - loop) x = b.
 VectorXcd solve_periodic(Complex turn, const MatrixXd& loop, const VectorXcd& b) {
   if (loop.rows() == 1) return b / (turn - loop(0, 0));
-  if (loop.rows() == 2) {  // most CAMs: by Cramer's rule, a sixth of the time
+  if (loop.rows() == 2) {  // most CAMs: by Cramer's rule, without a general LU and its room
     const Complex a = turn - loop(0, 0), d = turn - loop(1, 1);
     VectorXcd out(2);
     out << d * b(0) + loop(0, 1) * b(1), loop(1, 0) * b(0) + a * b(1);

@@ -1,21 +1,9 @@
 #include "gap/evidence/names.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace bodesmith::gap {
-
-std::string to_string(CandidateOutcome outcome) {
-  constexpr std::array kWords = {"",
-                                 "named",
-                                 "tied",
-                                 "other place or form",
-                                 "worse",
-                                 "takes too little",
-                                 "another effect's form, or less than the records can tell"};
-  return kWords.at(static_cast<std::size_t>(outcome));
-}
 
 bool is_name(const Ranked& r) {
   return std::isfinite(r.log_evidence) && r.outcome != CandidateOutcome::no_name &&

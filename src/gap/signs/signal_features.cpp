@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -85,12 +86,15 @@ std::vector<Column> input_features(const Column& u) {
   return columns;
 }
 
-/// What a column becomes through the model's linear dynamics, which rest where it begins.
-Column through(const chain::Chain& dynamics, double step_s, Column c) {
-  if (dynamics.blocks.empty()) return c;
-  const double first = c.front();
-  for (double& v : c) v -= first;
-  return simulate::RecordSimulator(dynamics, step_s).run_once(c);
+/// What columns become through the model's linear dynamics, which rest where each begins.
+void pass_through(const chain::Chain& dynamics, double step_s, std::vector<Column>& columns) {
+  if (dynamics.blocks.empty()) return;
+  simulate::RecordSimulator simulator(dynamics, step_s);
+  for (Column& c : columns) {
+    const double first = c.front();
+    for (double& v : c) v -= first;
+    std::ranges::copy(simulator.run(c), c.begin());
+  }
 }
 
 Eigen::MatrixXd of_zero_mean(const std::vector<Column>& columns) {
@@ -138,8 +142,9 @@ SignalScales signal_scales(const std::vector<Leftover>& records) {
 Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scales) {
   const auto signals = scaled(record, scales);
   auto columns = output_features(signals.y, scales.eighth_of_period);
-  for (Column& c : input_features(signals.u))
-    columns.push_back(through(record.dynamics, record.step_s, std::move(c)));
+  auto of_input = input_features(signals.u);
+  pass_through(record.dynamics, record.step_s, of_input);
+  std::ranges::move(of_input, std::back_inserter(columns));
   return of_zero_mean(columns);
 }
 

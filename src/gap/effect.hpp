@@ -22,8 +22,6 @@ struct EffectFacts {
   bool repeatable = false;
   bool repeatable_in_response =
       false;  ///< the same in frequency responses, where each shows at a place of its own
-  /// Its start values are found in the residual, so they are worth finding from more than one model.
-  bool starts_from_residual = false;
   /// A circuit whose capacitors and op-amps are known has no dynamics but theirs: next to them this is implausible.
   bool of_no_circuit = false;
   /// What it does is a small part of many other shapes (far above the band a zero is a delay): when another effect fits as well, that has

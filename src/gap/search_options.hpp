@@ -10,7 +10,7 @@ namespace bodesmith::gap {
 // them.
 
 /// Long records are first fitted on the stretches of which most is left [5]: samples of all of them together; one and a half times as many
-/// are long.
+/// are long. A drive of experiment.csv has as many at most.
 inline constexpr std::size_t kStretchSamples = 8000;
 
 // Rounds of candidates [4, 5].
@@ -19,10 +19,9 @@ inline constexpr std::size_t kEffectsOfRound = 9;
 /// At first: places and forms of each effect, starts of each, iterations from these and on whole records after stretches, pairs, and fits on
 /// whole records. The best are gone on from. A term of more unknowns may stand for two others; one of twice as many is tried from one start.
 inline constexpr std::size_t kFew = 3;
-/// Times the leader's rms, once all have begun: such a fit stays where it is, and its evidence is not asked for.
-inline constexpr double kFarBehind = 3.0;
 /// Times the rms, far more is left: held-out records, or starts that were left out, contradict what was found. A fit that came by so much
-/// nearer is done again in the unit of what is left now.
+/// nearer is done again in the unit of what is left now. One that is so far behind the leader once all have begun stays where it is, and
+/// its evidence is not asked for. A response that changes so much more at its peak than next to it, or at the top of its band, changes there.
 inline constexpr double kFarMore = 2.0;
 
 /// Of the rms, what a name explains, however sure it is [4]: of the geometric mean of what is left without it and of the gap that the base
@@ -39,8 +38,6 @@ struct DriveRequest {
   std::optional<double> max_rate;  ///< per second
   std::optional<double> duration_s;
   std::optional<double> step_s;
-
-  static constexpr double kMostSamples = 20000.0;
 };
 
 struct SearchOptions {

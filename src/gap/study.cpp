@@ -15,7 +15,6 @@
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::size_t kMinSamplesOfRecord = 64;
 constexpr std::size_t kMinFrequencies = 8;
 
 bool is_frequency_response(const std::filesystem::path& path) {
@@ -42,7 +41,7 @@ void validate_size(const std::string& file, std::size_t size, std::size_t min_si
 }
 
 void validate(const TimeRecord& record) {
-  validate_size(record.file, record.size(), kMinSamplesOfRecord, "samples");
+  validate_size(record.file, record.size(), kLeastSamples, "samples");
   record.require_measured_sizes();
 }
 

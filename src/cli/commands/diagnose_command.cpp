@@ -48,9 +48,9 @@ gap::DriveRequest read_drive(const CommandLine& line) {
   out.max_rate = line.maybe_positive("drive-max-rate");
   out.duration_s = line.maybe_positive("drive-seconds");
   out.step_s = line.maybe_positive("drive-step-s");
-  if (out.duration_s && out.step_s && *out.duration_s / *out.step_s > gap::DriveRequest::kMostSamples)
-    line.fail(fmt::format("--drive-seconds and --drive-step-s make more than {} samples",
-                          gap::DriveRequest::kMostSamples));
+  if (out.duration_s && out.step_s && *out.duration_s / *out.step_s > gap::kStretchSamples)
+    line.fail(
+        fmt::format("--drive-seconds and --drive-step-s make more than {} samples", gap::kStretchSamples));
   return out;
 }
 

@@ -12,8 +12,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr std::array kTriedDampings = {0.003, 0.01, 0.03, 0.1, 0.3};
-/// Starts of one sign are this far apart (ln).
-constexpr double kStartsApart = 0.08;
 
 struct TriedMode {
   double hz = 0.0;
@@ -96,8 +94,10 @@ Starts mode_starts(const Scene& scene, const chain::Block& modes) {
   }
   std::stable_sort(tried.begin(), tried.end(),
                    [](const TriedMode& a, const TriedMode& b) { return a.left < b.left; });
+  // Of two peaks of one sign nearer than their widths the better one.
   const auto near = [](const TriedMode& a, const TriedMode& b) {
-    return (a.gain > 0.0) == (b.gain > 0.0) && std::abs(std::log(a.hz / b.hz)) < kStartsApart;
+    return (a.gain > 0.0) == (b.gain > 0.0) &&
+           std::abs(std::log(a.hz / b.hz)) < std::max(a.damping, b.damping);
   };
   Starts starts;
   for (const TriedMode& t : best_apart(tried, near)) starts.push_back({t.hz, t.damping, t.gain});

@@ -67,6 +67,6 @@ void propose_sample_hold(const Scene& scene, std::vector<Proposal>& out) {
 
 BODESMITH_EFFECT(sample_hold, .what = "a clocked hold: droop and half a cycle of delay",
                  .experiment = "a faster clock, or a record sampled much faster than it", .linear = true,
-                 .starts_from_residual = true, .propose = propose_sample_hold)
+                 .propose = propose_sample_hold)
 
 }  // namespace bodesmith::gap

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/whole_number.hpp"
+#include "gap/signs/chance.hpp"
 #include "numeric/fourier.hpp"
 #include "signal/period.hpp"
 #include "signal/periodogram.hpp"
@@ -13,10 +14,9 @@
 namespace bodesmith::gap {
 namespace {
 
-/// The input's band ends where only this part of its power lies above;
+/// The input's band ends where only this part of its power lies above.
 constexpr double kPowerAboveBand = 1e-6;
-/// an input whose band reaches beyond this part of the spectrum fills it.
-constexpr double kMaxBand = 0.7;
+
 }  // namespace
 
 std::string to_string(NoiseFloor::Source source) {
@@ -71,11 +71,11 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
   double above = 0.0;
   std::size_t top = u.power.size();
   while (top > 1 && above + u.power[top - 1] < kPowerAboveBand * total) above += u.power[--top];
-  if (static_cast<double>(top) > kMaxBand * static_cast<double>(u.power.size())) return floor;
   const auto e = periodogram(residual, step_s);
   const auto from = whole_number<std::size_t>(static_cast<double>(top) * u.bin_hz / e.bin_hz) + 1;
   // Half way between the input's top and Nyquist and beyond: harmonics have died down there.
-  const std::size_t begin = from + (e.power.size() - from) / 2;
+  const std::size_t begin = from + (std::max(from, e.power.size()) - from) / 2;
+  if (begin + kNeighbours > e.power.size()) return floor;
   const double density =
       median({e.power.begin() + static_cast<std::ptrdiff_t>(begin), e.power.end()}) / std::log(2.0);
   floor.source = NoiseFloor::Source::high_frequency;

@@ -41,7 +41,7 @@ std::string to_string(NoiseFloor::Source source);
 NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t period);
 
 /// Noise from the residual above the band in which the input has power, taken as white. Unknown when the
-/// input fills the band up to 70 % of the Nyquist frequency.
+/// input leaves too few bins of the spectrum to tell (kNeighbours).
 NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, const std::vector<double>& input,
                                        double step_s);
 

@@ -12,6 +12,9 @@
 
 namespace bodesmith::gap {
 
+/// Fewer samples of a record say too little, as do those of a drive.
+constexpr std::size_t kLeastSamples = 64;
+
 /// A time record and which of its samples are run and scored. A value: copies share the samples of the record
 /// and nothing else.
 ///

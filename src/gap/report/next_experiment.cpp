@@ -53,9 +53,8 @@ DriveLimits limits_of(const Experiments& train, const DriveRequest& request) {
   limits.high = request.upper.value_or(std::max(0.0, driven.upper));
   limits.max_rate = request.max_rate.value_or(driven.max_rate_per_s);
   const double duration = first.step_s * static_cast<double>(first.size());
-  const double most = request.duration_s ? DriveRequest::kMostSamples : static_cast<double>(kStretchSamples);
-  limits.samples =
-      static_cast<std::size_t>(std::clamp(request.duration_s.value_or(duration) / limits.step_s, 64.0, most));
+  limits.samples = static_cast<std::size_t>(std::clamp(request.duration_s.value_or(duration) / limits.step_s,
+                                                       double{kLeastSamples}, double{kStretchSamples}));
   return limits;
 }
 

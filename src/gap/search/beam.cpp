@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "base/text.hpp"
+#include "gap/evidence/names.hpp"
 #include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
@@ -115,10 +117,18 @@ PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, Pl
   return set;
 }
 
+/// By the names of a set and the one whose place was tried against all others: what stood there in the end, and the set's evidence with it.
+/// Many ways lead to the same sets.
+struct Exchanged {
+  PlacedSet::Rivals rivals;
+  double log_evidence = 0.0;
+};
+using Exchanges = std::map<std::multiset<std::string>, Exchanged>;
+
 /// The set with another effect in the place of one, where that is of greater evidence; each place is tried against all effects,
 /// alongside the others as they stand.
 std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRecords& records, PlacedSet& set,
-                                   bool last_is_fresh, std::set<std::multiset<std::string>>& tried) {
+                                   bool last_is_fresh, Exchanges& exchanges) {
   for (std::size_t k = 0; k < count_of(set); ++k) {
     if (setting.options.is_late()) return std::nullopt;
     // The round that it was just chosen in looked at all there is.
@@ -126,7 +136,11 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     PlacedSet others = without(set, k);
     auto names = names_of(set.model);
     names.insert("without " + std::string(set.model.terms()[k].effect->name()));
-    if (!tried.insert(names).second) continue;
+    auto& before = exchanges[names];
+    if (!before.rivals.ranking.empty() && set.log_evidence <= before.log_evidence + kTied) {
+      set.rivals[k] = before.rivals;
+      continue;
+    }
     weigh(records, others);
     auto ranking = fit_round(setting, records, others.model).ranking;
     // Of its own name what stands is known, too: the new fit alongside the others may have stopped short of it, or could not begin.
@@ -139,6 +153,7 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     }
     const auto* best = best_of(setting, records, others.model, ranking);
     set.rivals[k] = {ranking, others.log_evidence};
+    before = {set.rivals[k], set.log_evidence};
     if (best == nullptr || !(best->log_evidence > set.log_evidence)) continue;
     auto other = with_candidate(others, *best, ranking);
     // The same name again is what stands at better values, or at another place.
@@ -152,19 +167,20 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     }
     other.model = fit_in_turn(setting, records, std::move(other.model)).model;
     weigh(records, other);
+    if (best->effect == set.model.terms()[k].effect) before.log_evidence = other.log_evidence;
     return other;
   }
   return std::nullopt;
 }
 
 /// Names taken out and exchanged as long as that raises the evidence.
-PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
-  std::set<std::multiset<std::string>> tried;
+PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, PlacedSet set,
+                   Exchanges& exchanges) {
   const std::size_t count = count_of(set);
   set = dropped(setting, records, std::move(set));
   for (bool first = true; count_of(set) > 1; first = false) {
     const bool fresh = first && count_of(set) == count && set.rivals.back().ranking.size() > 1;
-    auto other = exchanged(setting, records, set, fresh, tried);
+    auto other = exchanged(setting, records, set, fresh, exchanges);
     if (!other) break;
     set = dropped(setting, records, std::move(*other));
   }
@@ -173,7 +189,7 @@ PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, P
 
 /// The round's best, settled, or where that is another effect's form once it is fitted to its end, the next best; whether that
 /// raised the evidence.
-bool one_more(const SearchSetting& setting, Beam& beam) {
+bool one_more(const SearchSetting& setting, Beam& beam, Exchanges& exchanges) {
   auto [ranking, not_tried] = fit_round(setting, beam.records, beam.best.model);
   if (setting.options.stopped()) return false;
   beam.not_tried = std::move(not_tried);
@@ -186,7 +202,7 @@ bool one_more(const SearchSetting& setting, Beam& beam) {
     }
     const auto* effect = best->effect;
     auto next = settled(setting, beam, with_candidate(beam.best, *best, ranking));
-    next = improved(setting, beam.records, std::move(next));
+    next = improved(setting, beam.records, std::move(next), exchanges);
     if (next.log_evidence > beam.best.log_evidence) {
       beam.best = std::move(next);
       return true;
@@ -198,7 +214,7 @@ bool one_more(const SearchSetting& setting, Beam& beam) {
 }
 
 /// One name more after the other, as long as the evidence grows.
-void grow(const SearchSetting& setting, Beam& beam, bool report) {
+void grow(const SearchSetting& setting, Beam& beam, Exchanges& exchanges, bool report) {
   const auto& options = setting.options;
   while (static_cast<int>(count_of(beam.best)) < options.max_terms && !options.is_late()) {
     const auto terms = count_of(beam.best);
@@ -211,7 +227,7 @@ void grow(const SearchSetting& setting, Beam& beam, bool report) {
         weigh(beam.records, beam.best);
       }
     }
-    if (!one_more(setting, beam)) return;
+    if (!one_more(setting, beam, exchanges)) return;
   }
 }
 
@@ -234,7 +250,7 @@ void without_the_engines_own(const SearchSetting& setting, const PlacedSet& base
 }
 
 /// Two names at once, where one after the other came to no end, or one of many unknowns may stand for two others.
-void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
+void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam, Exchanges& exchanges) {
   const auto& options = setting.options;
   std::set<std::multiset<std::string>> came_to = {names_of(beam.best.model)};
   for (auto& pair : best_pairs(setting, base.records, base.first)) {
@@ -251,10 +267,10 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
     // The best pair may hold one name too many or another's; of the others those that are better than what stands.
     const bool better = log_evidence(set.model, beam.records.train) > beam.best.log_evidence;
     if (!better && came_to.size() > 1) continue;
-    set = improved(setting, other.records, std::move(set));
+    set = improved(setting, other.records, std::move(set), exchanges);
     if (!came_to.insert(names_of(set.model)).second) continue;
     other.best = std::move(set);
-    grow(setting, other, false);
+    grow(setting, other, exchanges, false);
     // By the records of the one that stands.
     const double evidence = log_evidence(other.best.model, beam.records.train);
     if (!(evidence > beam.best.log_evidence)) continue;
@@ -280,7 +296,8 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   const auto& options = setting.options;
   const PlacedSet base_set = beam.best;
   SearchRecords base_records = beam.records;
-  grow(setting, beam, true);
+  Exchanges exchanges;
+  grow(setting, beam, exchanges, true);
   if (!options.is_late()) without_the_engines_own(setting, base_set, beam);
   if (options.max_terms < 2 || options.is_late()) return;
   if (is_something_left(beam.best.model, beam.records) || could_be_fewer(beam.best.model)) {
@@ -289,7 +306,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
     base.records.set_holds(holds_of(beam.records.train));
     base.best = base_set;
     base.first = beam.first;
-    try_pairs(setting, base, beam);
+    try_pairs(setting, base, beam, exchanges);
   }
 }
 

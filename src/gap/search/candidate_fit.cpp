@@ -80,7 +80,7 @@ void comb(const SearchSetting& setting, const SearchRecords& records, FittedMode
 /// On to the end.
 Ranked ended_fit(const SearchSetting& setting, const SearchRecords& records, const Promising& candidate,
                  FittedModel now, double leader) {
-  if (!setting.options.is_late() && now.rms <= kFarBehind * leader) {
+  if (!setting.options.is_late() && now.rms <= kFarMore * leader) {
     auto fitted = fit(now.model, records.look(), fit_options(setting.options));
     if (fitted.usable() && fitted.rms <= now.rms) now = std::move(fitted);
     comb(setting, records, now);

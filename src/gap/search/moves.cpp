@@ -32,12 +32,11 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
                                     const std::vector<Ranked>& firsts) {
   const auto& options = setting.options;
   std::vector<std::pair<double, Promising>> all;
-  std::set<std::string_view> missed;
   for (const auto& first : firsts) {
     if (options.is_late()) break;
     const double left = rms_of(first.model, records.look());
     std::set<const Effect*> effects;
-    for (auto& second : look_round(setting, records, first.model, missed)) {
+    for (auto& second : look_round(setting, records, first.model)) {
       if (effects.insert(second.proposal.term().effect).second)
         all.emplace_back(left * std::sqrt(std::max(0.0, 1.0 - second.score)), std::move(second));
     }

@@ -18,7 +18,6 @@ std::optional<Leftover> leftover_from(std::size_t first, const Model& model,
   const auto& record = experiment.record();
   Leftover l;
   l.step_s = record.step_s;
-  l.dynamics = model.linear_part(0);
   for (std::size_t i = first; i < experiment.end(); ++i) {
     l.residual.push_back(record.y[i] - output[i]);
     l.input.push_back(record.u[i]);
@@ -45,7 +44,9 @@ NoiseFloor floor_of(const Model&, const FrequencyExperiment& experiment) {
 }
 
 std::optional<Leftover> leftover_of(const Model& model, const TimeExperiment& experiment) {
-  return leftover_from(experiment.first(), model, experiment);
+  auto l = leftover_from(experiment.first(), model, experiment);
+  if (l) l->dynamics = model.linear_part(0);
+  return l;
 }
 
 std::optional<Leftover> leftover_of(const Model& model, const FrequencyExperiment& experiment) {

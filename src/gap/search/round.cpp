@@ -74,7 +74,7 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
   }
   parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
     auto& r = ranking[i];
-    if (r.outcome != CandidateOutcome::no_name && r.train_rms <= kFarBehind * best)
+    if (r.outcome != CandidateOutcome::no_name && r.train_rms <= kFarMore * best)
       r.log_evidence = log_evidence(r.model, records.train);
   });
 }
@@ -101,7 +101,7 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
 }  // namespace
 
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& model, std::set<std::string_view>& missed) {
+                                  const Model& model) {
   auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
   scene.threads = setting.options.threads;
   std::vector<const Effect*> effects;
@@ -112,12 +112,7 @@ std::vector<Promising> look_round(const SearchSetting& setting, const SearchReco
   parallel_for(effects.size(), setting.options.threads,
                [&](std::size_t i) { effects[i]->propose(scene, of_each[i]); });
   std::vector<Proposal> proposals;
-  for (std::size_t i = 0; i < effects.size(); ++i) {
-    // Without its look at the residual it has no start values.
-    if (effects[i]->facts().starts_from_residual && of_each[i].empty() && scene.is_late())
-      missed.insert(effects[i]->name());
-    std::move(of_each[i].begin(), of_each[i].end(), std::back_inserter(proposals));
-  }
+  for (auto& own : of_each) std::move(own.begin(), own.end(), std::back_inserter(proposals));
   std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
   std::map<const Effect*, std::size_t> places;
   for (const auto& p : proposals) ++places[p.term().effect];
@@ -129,10 +124,10 @@ std::vector<Promising> look_round(const SearchSetting& setting, const SearchReco
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
   const auto& options = setting.options;
   FittedRound round;
-  std::set<std::string_view> missed;
-  const auto chosen = best_of(look_round(setting, records, model, missed));
+  const auto chosen = best_of(look_round(setting, records, model));
   if (options.stopped()) return {};
   auto fitted = fit_candidates(setting, records, chosen);
+  std::set<std::string_view> missed;
   for (std::size_t i = 0; i < fitted.size(); ++i) {
     if (!fitted[i] && options.is_late()) missed.insert(chosen[i].proposal.term().effect->name());
   }

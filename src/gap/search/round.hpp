@@ -1,8 +1,7 @@
 #pragma once
 
 #include <optional>
-#include <set>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "gap/search/records.hpp"
@@ -24,9 +23,9 @@ struct FittedRound {
 };
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model);
 
-/// The first look of a round alone: what every effect promises, best first. Those that had no time to propose themselves go to `missed`.
+/// The first look of a round alone: what every effect promises, best first.
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& model, std::set<std::string_view>& missed);
+                                  const Model& model);
 /// Chosen candidates of such looks, fitted and ranked.
 std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records,
                                const std::vector<Promising>& chosen);

@@ -19,9 +19,6 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Step of an unknown for its own direction, as a part of it.
-constexpr double kDirectionStep = 0.02;
-
 /// What proposals are compared with.
 struct PresentModel {
   std::vector<double> residuals;  ///< model - measured
@@ -37,7 +34,7 @@ struct StartScore {
 };
 
 double moved_value(const Unknown& u, double value) {
-  const double step = kDirectionStep * (u.logarithmic ? value : u.scale);
+  const double step = LeastSquaresOptions().difference * (u.logarithmic ? value : u.scale);
   return value + step > u.high ? value - step : value + step;
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "gap/search_options.hpp"
 #include "gap/signs/chance.hpp"
 #include "numeric/interpolated.hpp"
 #include "signal/statistics.hpp"
@@ -23,9 +24,6 @@ namespace {
 constexpr double kLeastChange = 0.005;
 /// A peak stands out by half of its power on both sides (ln of the gain).
 constexpr double kProminent = std::numbers::ln2 / 2.0;
-/// The change at the peak over that next to it, when it is the damping that changes; at the top of the band over that at its bottom, when it
-/// is there that the gain falls.
-constexpr double kAlone = 4.0;
 
 const MeasuredResponse* with_drive(const Experiment& experiment) {
   const auto* response = std::get_if<FrequencyExperiment>(&experiment);
@@ -103,8 +101,8 @@ AmplitudeClass class_without_peak(std::span<const double> change) {
   const double bottom = mean(change.first(change.size() / 3));
   const double top = mean(change.last(change.size() / 3));
   if (mean(change) > 0.0) return AmplitudeClass::rising_gain;
-  return top < 0.0 && kAlone * bottom > top ? AmplitudeClass::falling_gain_at_top
-                                            : AmplitudeClass::falling_gain;
+  return top < 0.0 && kFarMore * bottom > top ? AmplitudeClass::falling_gain_at_top
+                                              : AmplitudeClass::falling_gain;
 }
 
 AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const std::vector<double>& at,
@@ -126,7 +124,7 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
                                at.begin());
   const std::size_t from = peak > 0 ? peak - 1 : 0;
   const double there = mean(change.subspan(from, std::min(change.size(), peak + 2) - from));
-  if (std::abs(there) > kAlone * std::abs(median({change.begin(), change.end()})))
+  if (std::abs(there) > kFarMore * std::abs(median({change.begin(), change.end()})))
     return there < 0.0 ? AmplitudeClass::rising_damping : AmplitudeClass::falling_damping;
   return class_without_peak(change);
 }

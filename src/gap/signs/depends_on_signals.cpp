@@ -70,15 +70,12 @@ Sign depends_on_signals(const std::vector<Leftover>& records) {
   std::vector<Eigen::MatrixXd> residuals;
   std::vector<Eigen::MatrixXd> features;
   double energy = 0.0;
-  Index samples = 0;
   for (const auto& r : records) {
     // A line is a sign of its own.
     residuals.emplace_back(as_eigen(less_straight_line(r.residual)));
     features.push_back(signal_features(r, scales));
     energy += residuals.back().squaredNorm();
-    samples += features.back().rows();
   }
-  const double n = static_cast<double>(samples);
 
   // Beforehand no weight makes much more than twice the residual.
   const Index count = features.front().cols();
@@ -101,6 +98,8 @@ Sign depends_on_signals(const std::vector<Leftover>& records) {
     left += residuals[k].squaredNorm();
   }
   const double foretold = std::clamp(autoregression_of(residuals).variance / alone.variance, 1e-12, 1.0);
+  // Of few samples as many as what was fitted leaves them (Bartlett, Proc. R. Soc. Lond. A 160 (1937) 268).
+  const double n = static_cast<double>(white.rows() - kMemory) - 0.5 * freedom;
   const double deviations = (-n * std::log(foretold) - freedom) / std::sqrt(2.0 * freedom);
   const double share = 1.0 - std::min(left / energy, foretold);
   return {SignKind::depends_on_signals, std::min(deviations / kDeviations, share / kLeastShare)};

@@ -7,18 +7,16 @@
 #include <utility>
 
 #include "gap/evidence/noise_floor.hpp"
+#include "gap/records/experiment.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-/// Shorter records say too little.
-constexpr std::size_t kMinSamples = 200;
-
 bool tells(const Leftover& r) {
   if (!r.response.empty()) return true;
-  if (r.residual.size() < kMinSamples) return false;
+  if (r.residual.size() < kLeastSamples) return false;
   const auto [low, high] = std::minmax_element(r.output.begin(), r.output.end());
   return rms(r.residual) > kLeastRest * (*high - *low);
 }

@@ -221,10 +221,10 @@ TEST(Signs, StrengthsAreThoseThatWereKept) {
                           smooth_over_frequency(a), stands_apart(a)})
     all += fmt::format("{} {:.2f}\n", to_string(one.kind), one.strength);
   EXPECT_EQ(all,
-            "the residual depends on input and output 0.94\n"
+            "the residual depends on input and output 0.90\n"
             "a line stands in the residual's spectrum 1.19\n"
-            "the residual jumps 0.90\n"
-            "the gain varies with time 0.80\n"
+            "the residual jumps 0.89\n"
+            "the gain varies with time 0.83\n"
             "neighbouring frequencies err alike 0.16\n"
             "single frequencies err far more than those around them 6.53\n");
 }

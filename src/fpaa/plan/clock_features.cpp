@@ -53,6 +53,39 @@ std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
   return out;
 }
 
+std::vector<BandSine> image_sines(std::span<const double> clocks_hz, Band band, double most) {
+  constexpr int kSpread = 96;
+  constexpr double kOutside =
+      0.999;  // of the distance at which a sine's line lies at an edge of the band: there it comes in
+  const double from = band.from.value, to = band.to.value;
+  std::vector<double> at_hz;
+  for (double ratio = 1.5;; ratio *= ratio) {
+    const bool spread_alone = ratio > to / from;
+    at_hz.clear();
+    for (const Hertz f : log_grid(band, kSpread)) at_hz.push_back(f.value);
+    for (const double clock : clocks_hz) {
+      for (double at = clock; at < 2.0 * to && !spread_alone; at += clock) {
+        const auto add = [&](double away) {
+          for (const double hz : {at - away, at + away}) {
+            if (hz > from && hz < to) at_hz.push_back(hz);
+          }
+        };
+        for (const double edge : {from, to}) add(kOutside * edge), add(edge / kOutside);
+        for (double away = ratio * from; away < 0.5 * clock; away *= ratio) add(away);
+      }
+    }
+    if (static_cast<double>(at_hz.size()) <= most || spread_alone) break;
+  }
+  std::ranges::sort(at_hz);
+  const double whole = std::log(at_hz.back() / at_hz.front());
+  std::vector<BandSine> out;
+  for (std::size_t i = 0; i < at_hz.size(); ++i) {
+    const double low = at_hz[i == 0 ? 0 : i - 1], high = at_hz[std::min(i + 1, at_hz.size() - 1)];
+    out.push_back({{at_hz[i]}, 0.5 * std::log(high / low) / whole});
+  }
+  return out;
+}
+
 std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, double sine_hz, Band band) {
   constexpr int kFirstMultiples = 12;
   constexpr int kNearZero = 3;

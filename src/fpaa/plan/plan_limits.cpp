@@ -103,15 +103,13 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   constexpr double kAroundClock[] = {-0.3, 0.3};
   const std::set<double> all = plan.clocks_hz();
   const std::vector<double> clocks(all.begin(), all.end());
-  const double cost = static_cast<double>(board.pieces() * clocks.size() * kImageSines);
-  std::vector<Hertz> signals = log_grid(band, cost > kPieces ? kImageSines / 2 : kImageSines);
-  const std::size_t spread = signals.size();
-  for (const Hertz f : near_clocks(clocked_poles(plan), band, kAroundClock, kBeatMultiples)) {
-    signals.push_back(f);
-  }
+  std::vector<BandSine> signals =
+      image_sines(clocks, band, kPieces / static_cast<double>(board.pieces() * clocks.size()));
+  for (const Hertz f : near_clocks(clocked_poles(plan), band, kAroundClock, kBeatMultiples))
+    signals.push_back({f, 0.0});
   ImageLines out;
-  for (std::size_t s = 0; s < signals.size(); ++s) {
-    const Hertz f = signals[s];
+  for (const BandSine& sine : signals) {
+    const Hertz f = sine.frequency;
     const std::vector<double> lines = clock_lines_hz(clocks, f.value, {{kLeastLineHz}, {kImagesBelowHz}});
     std::vector<RadPerSecond> asked;
     for (const double line : lines) asked.push_back(Hertz{line}.rad_s());
@@ -129,7 +127,7 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
         if (most != nullptr && (!*most || line.magnitude_db > (*most)->magnitude_db)) *most = line;
       }
     }
-    if (s < spread) out.sines.push_back({f, std::sqrt(squares)});
+    out.sines.push_back({sine, std::sqrt(squares)});
   }
   return out;
 }

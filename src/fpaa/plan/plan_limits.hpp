@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "fpaa/plan/clock_features.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"
 
@@ -10,8 +11,6 @@ namespace bodesmith::fpaa {
 
 /// Nodes are looked at up to this share of the fastest clock.
 inline constexpr double kOfFastest = 0.45;
-/// Sines, spread evenly over a band's decades, whose images count.
-inline constexpr int kImageSines = 16;
 
 /// Inputs at which the first node of the board, op-amps inside a CAM among them, reaches full scale.
 struct Headroom {
@@ -48,9 +47,9 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band);
 struct ImageLines {
   std::optional<ImageLine> largest;  ///< below 100 kHz; nothing when none lies there
   std::optional<ImageLine> in_band;  ///< within the band
-  /// Of sines spread evenly over the band's decades: the rms of all their lines within the band (1: the input's).
+  /// Of sines of the band (image_sines): the rms of all their lines within the band (1: the input's).
   struct Sine {
-    Hertz signal;
+    BandSine signal;
     double rms = 0.0;
   };
   std::vector<Sine> sines = {};

@@ -6,6 +6,7 @@
 
 #include "fpaa/network/periodic_network.hpp"
 #include "fpaa/plan/clock_features.hpp"
+#include "fpaa/plan/error_reference.hpp"
 #include "numeric/sinc.hpp"
 
 namespace bodesmith::fpaa {
@@ -71,6 +72,7 @@ Complex line_of(const DesignResponse& response, std::size_t at, double w, double
 }  // namespace
 
 double image_share(const Design& design, const DesignTarget& target) {
+  constexpr double kMostSines = 400.0;
   std::vector<double> clocks;
   for (const DesignStage& stage : design.stages) {
     const double clock = target.master_hz / static_cast<double>(stage.divisor);
@@ -81,7 +83,12 @@ double image_share(const Design& design, const DesignTarget& target) {
   DesignTarget sines;
   sines.band = target.band;
   sines.master_hz = target.master_hz;
-  sines.grid = target.sines;
+  std::vector<double> weights;
+  for (const BandSine& sine : image_sines(clocks, target.band, kMostSines)) {
+    const RadPerSecond w = sine.frequency.rad_s();
+    sines.grid.push_back(w);
+    weights.push_back(sine.share / std::pow(error_reference(target.sections, w), 2));
+  }
   const StageFactorTable table(sines);
   const DesignResponse response(design, table);
   double sum = 0.0;
@@ -92,9 +99,9 @@ double image_share(const Design& design, const DesignTarget& target) {
       const double away = 2.0 * std::numbers::pi * (line - f);
       squares += std::norm(line_of(response, k, sines.grid[k].value, away));
     }
-    sum += squares * target.sine_reciprocal[k] * target.sine_reciprocal[k];
+    sum += squares * weights[k];
   }
-  return std::sqrt(sum / static_cast<double>(sines.grid.size()));
+  return std::sqrt(sum);
 }
 
 }  // namespace bodesmith::fpaa

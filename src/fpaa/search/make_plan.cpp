@@ -299,8 +299,9 @@ void state_figures(Plan& plan, const Sections& sections, Band band, const BoardA
   plan.mismatch = assumptions.mismatch;
   double squares = 0.0;
   for (const ImageLines::Sine& sine : images.sines)
-    squares += std::pow(sine.rms / error_reference(sections, sine.signal.rad_s()), 2);
-  plan.total->image_percent = 100.0 * std::sqrt(squares / static_cast<double>(images.sines.size()));
+    squares +=
+        sine.signal.share * std::pow(sine.rms / error_reference(sections, sine.signal.frequency.rad_s()), 2);
+  plan.total->image_percent = 100.0 * std::sqrt(squares);
   plan.assumptions = assumptions_of(plan);
 }
 

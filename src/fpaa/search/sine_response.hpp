@@ -56,9 +56,7 @@ struct DesignTarget {
   std::vector<Complex> wanted;
   std::vector<double> weight;      ///< of |got - wanted|/reference; 1 within the band
   std::vector<double> reciprocal;  ///< 1/reference (error_reference.hpp)
-  /// Sines spread evenly over the band's decades, whose images count, and 1/reference of each.
-  std::vector<RadPerSecond> sines;
-  std::vector<double> sine_reciprocal;
+  Sections sections;               ///< what is asked for
   Band band;
   double master_hz = 16e6;
 };

@@ -29,6 +29,7 @@ void add_point(DesignTarget& target, const Sections& sections, Hertz f, double w
 
 DesignTarget design_target(const Sections& sections, Band band, double points, const Board& board) {
   DesignTarget out;
+  out.sections = sections;
   out.band = band;
   out.master_hz = board.master_clock.value;
   const double decades = std::log10(band.to.value / band.from.value);
@@ -37,10 +38,6 @@ DesignTarget design_target(const Sections& sections, Band band, double points, c
   for (const Hertz f : inside) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
   for (const Hertz f : inside) add_point(out, sections, f, 1.0, kSoftZero * peak);
   for (const Hertz f : about_sharp_roots(sections, band)) add_point(out, sections, f, 1.0, kSoftZero * peak);
-  for (const Hertz f : log_grid(band, kImageSines)) {
-    out.sines.push_back(f.rad_s());
-    out.sine_reciprocal.push_back(1.0 / error_reference(sections, f.rad_s()));
-  }
   const Band beyond{{1.15 * band.to.value}, {kBeyondBand * band.to.value}};
   for (const Hertz f : log_grid(beyond, kBeyondPoints))
     add_point(out, sections, f, kBeyondWeight, kSoftZero * peak);

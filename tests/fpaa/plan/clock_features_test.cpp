@@ -78,5 +78,39 @@ TEST(ClockFeatures, BeatIsTheLargestImage) {
   EXPECT_LT(images.largest->line.value, 10.0);
 }
 
+TEST(ClockFeatures, ImagesAreTheMeanOverAllSinesOfTheBand) {
+  // What a path of width p lets through of the lines of a clock fc, beside every multiple of it: 1/(1 + (d/p)^2) at the distance d, and
+  // nothing where the line lies below the band. Its mean over ln f: int over d of it/(k fc +- d), summed.
+  const double clock = 800.0, p = 7.0;
+  const Band band{{3.0}, {5000.0}};
+  const auto beside = [&](double f) {
+    const double d = std::abs(f - clock * std::max(1.0, std::round(f / clock)));
+    return d < band.from.value ? 0.0 : 1.0 / (1.0 + std::pow(d / p, 2));
+  };
+  double wanted = 0.0;
+  constexpr int kDense = 2000000;
+  const double whole = std::log(band.to.value / band.from.value);
+  for (int i = 0; i < kDense; ++i)
+    wanted += beside(band.from.value * std::exp((i + 0.5) / kDense * whole)) / kDense;
+  const double clocks[] = {clock, 2.0 * clock,
+                           20e3};  // the second's multiples are the first's; the third lies beyond
+  double mean = 0.0, shares = 0.0;
+  const std::vector<BandSine> sines = image_sines(clocks, band, 1e9);
+  for (const BandSine& sine : sines) {
+    EXPECT_GE(sine.share, 0.0);
+    EXPECT_NE(std::remainder(sine.frequency.value, clock), 0.0);
+    shares += sine.share;
+    mean += sine.share * beside(sine.frequency.value);
+  }
+  EXPECT_NEAR(shares, 1.0, 1e-12);
+  EXPECT_NEAR(mean, wanted, 0.06 * wanted);
+  double spread = 0.0;
+  for (const Hertz f : log_grid(band, 16)) spread += beside(f.value) / 16;
+  EXPECT_LT(spread, 0.3 * wanted);  // of sixteen alone
+  EXPECT_LE(image_sines(clocks, band, 150.0).size(), 150u);
+  EXPECT_EQ(image_sines(clocks, band, 0.0).size(), 96u);
+  EXPECT_EQ(image_sines(std::span(clocks).last(1), band, 1e9).size(), 96u);
+}
+
 }  // namespace
 }  // namespace bodesmith::fpaa

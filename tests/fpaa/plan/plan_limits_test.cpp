@@ -32,15 +32,15 @@ TEST(PlanLimits, ImagesOfAPlanAreTheRmsOverSinesOfTheBand) {
   const Plan plan = plan_of(sections, options);
   const SwitchedBoard board(plan);
   double squares = 0.0;
-  const auto sines = log_grid(*options.band, 16);
+  const auto sines = log_grid(*options.band, 4000);
   for (const Hertz f : sines) {
     const RadPerSecond line[] = {Hertz{f.value - 2000.0}.rad_s()};
     if (f.value < 500.0) continue;
     squares += std::norm(board.components(f.rad_s(), line)[0] / sections.response(f.rad_s()));
   }
   EXPECT_GT(squares, 0.0);
-  EXPECT_NEAR(plan.total->image_percent, 100.0 * std::sqrt(squares / static_cast<double>(sines.size())),
-              1e-9);
+  const double wanted = 100.0 * std::sqrt(squares / static_cast<double>(sines.size()));
+  EXPECT_NEAR(plan.total->image_percent, wanted, 0.03 * wanted);
 }
 
 }  // namespace

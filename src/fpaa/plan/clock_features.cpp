@@ -1,9 +1,11 @@
 #include "fpaa/plan/clock_features.hpp"
-#include "numeric/quadratic_roots.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "base/whole_number.hpp"
+#include "numeric/quadratic_roots.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -53,58 +55,95 @@ std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
   return out;
 }
 
-std::vector<BandSine> image_sines(std::span<const double> clocks_hz, Band band, double most) {
-  constexpr int kSpread = 96;
-  constexpr double kOutside =
-      0.999;  // of the distance at which a sine's line lies at an edge of the band: there it comes in
-  const double from = band.from.value, to = band.to.value;
-  std::vector<double> at_hz;
-  for (double ratio = 1.5;; ratio *= ratio) {
-    const bool spread_alone = ratio > to / from;
-    at_hz.clear();
-    for (const Hertz f : log_grid(band, kSpread)) at_hz.push_back(f.value);
-    for (const double clock : clocks_hz) {
-      for (double at = clock; at < 2.0 * to && !spread_alone; at += clock) {
-        const auto add = [&](double away) {
-          for (const double hz : {at - away, at + away}) {
-            if (hz > from && hz < to) at_hz.push_back(hz);
-          }
-        };
-        for (const double edge : {from, to}) add(kOutside * edge), add(edge / kOutside);
-        for (double away = ratio * from; away < 0.5 * clock; away *= ratio) add(away);
+namespace {
+
+/// That a multiple of one clock is one of a faster clock, too: its lines are counted there.
+bool is_of_faster(std::span<const double> clocks_hz, std::size_t clock, double multiple) {
+  return std::ranges::any_of(clocks_hz, [&](double other) {
+    const double turns = multiple * clocks_hz[clock] / other;
+    return other > clocks_hz[clock] && std::abs(turns - std::round(turns)) < 1e-6;
+  });
+}
+
+/// Panels that grow by `ratio` from `low` over `middle` (where it lies between them) to `high`.
+std::vector<double> panels(double low, double middle, double high, double ratio) {
+  std::vector<double> edges{low};
+  for (const double end : {middle, high}) {
+    const double begin = edges.back();
+    if (!(end > begin) || end > high) continue;
+    const int count = whole_number(std::ceil(std::log(end / begin) / std::log(ratio)), 1);
+    for (int i = 1; i <= count; ++i)
+      edges.push_back(begin * std::pow(end / begin, static_cast<double>(i) / count));
+  }
+  return edges;
+}
+
+/// One clock's sines.
+void add_image_sines(std::vector<BandSine>& out, std::span<const double> clocks_hz, std::size_t clock,
+                     Band band, double ratio) {
+  const double from = band.from.value, to = band.to.value, hz = clocks_hz[clock];
+  const auto add = [&](double end, double other, double times) {
+    const double low = std::max(std::min(end, other), from), high = std::min(std::max(end, other), to);
+    if (low < high) out.push_back({{std::sqrt(low * high)}, times * std::log(high / low), clock});
+  };
+  // Lines leave the band at these distances from a multiple.
+  std::vector<double> beside =
+      panels(std::min(from, 0.4 * hz), std::abs(std::remainder(to, hz)), 0.5 * hz, ratio);
+  for (std::size_t i = 1; i < beside.size(); ++i) add(beside[i - 1], beside[i], 1.0);
+  beside.insert(beside.begin(), 0.0);
+  for (double k = 1.0; (k - 0.5) * hz < to;) {
+    // Of multiples close together (to what is in front of the clock) one in the middle stands for all that have a line of its own
+    // next to 0, one for all that have not.
+    const double count = std::max(1.0, std::floor(0.5 * k * (ratio - 1.0)));
+    for (const bool of_faster : {false, true}) {
+      double sum = 0.0, middle = 0.0;
+      for (double m = k; m < k + count && (m - 0.5) * hz < to; ++m) {
+        if (is_of_faster(clocks_hz, clock, m) != of_faster) continue;
+        sum += 1.0 / m;
+        if (middle == 0.0 || m <= k + 0.5 * count) middle = m;
+      }
+      for (std::size_t i = 1; i < beside.size() && middle > 0.0; ++i) {
+        for (const double side : {-1.0, 1.0})
+          add(middle * hz + side * beside[i - 1], middle * hz + side * beside[i], sum * middle);
       }
     }
-    if (static_cast<double>(at_hz.size()) <= most || spread_alone) break;
+    k += count;
   }
-  std::ranges::sort(at_hz);
-  const double whole = std::log(at_hz.back() / at_hz.front());
+}
+
+}  // namespace
+
+std::vector<BandSine> image_sines(std::span<const double> clocks_hz, Band band, double most) {
   std::vector<BandSine> out;
-  for (std::size_t i = 0; i < at_hz.size(); ++i) {
-    const double low = at_hz[i == 0 ? 0 : i - 1], high = at_hz[std::min(i + 1, at_hz.size() - 1)];
-    out.push_back({{at_hz[i]}, 0.5 * std::log(high / low) / whole});
+  for (double ratio = 1.4; ratio < 100.0; ratio *= 1.4) {
+    out.clear();
+    for (std::size_t clock = 0; clock < clocks_hz.size(); ++clock) {
+      if (clocks_hz[clock] < 2.0 * band.to.value) add_image_sines(out, clocks_hz, clock, band, ratio);
+    }
+    if (static_cast<double>(out.size()) <= most) break;
   }
+  for (BandSine& sine : out) sine.share /= std::log(band.to.value / band.from.value);
   return out;
 }
 
-std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, double sine_hz, Band band) {
+std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, std::size_t clock, double sine_hz,
+                                   Band band) {
   constexpr int kFirstMultiples = 12;
   constexpr int kNearZero = 3;
   std::vector<double> out;
-  for (const double clock : clocks_hz) {
-    const auto add = [&](double k) {
-      const double line = k * clock + sine_hz;
-      const bool within = std::abs(line) >= band.from.value && std::abs(line) <= band.to.value;
-      const bool known =
-          std::ranges::any_of(out, [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
-      if (within && !known) out.push_back(line);
-    };
-    for (int k = -kFirstMultiples; k <= kFirstMultiples; ++k) {
-      if (k != 0) add(k);
-    }
-    const double nearest = -std::round(sine_hz / clock);
-    for (int by = -kNearZero; by <= kNearZero; ++by) {
-      if (std::abs(nearest + by) > kFirstMultiples) add(nearest + by);
-    }
+  const double hz = clocks_hz[clock];
+  const auto add = [&](double k) {
+    const double line = k * hz + sine_hz;
+    if (std::abs(line) >= band.from.value && std::abs(line) <= band.to.value &&
+        !is_of_faster(clocks_hz, clock, k))
+      out.push_back(line);
+  };
+  for (int k = -kFirstMultiples; k <= kFirstMultiples; ++k) {
+    if (k != 0) add(k);
+  }
+  const double nearest = -std::round(sine_hz / hz);
+  for (int by = -kNearZero; by <= kNearZero; ++by) {
+    if (std::abs(nearest + by) > kFirstMultiples) add(nearest + by);
   }
   return out;
 }

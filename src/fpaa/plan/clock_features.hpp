@@ -27,19 +27,22 @@ std::vector<ClockedPole> clocked_poles(const Plan& plan);
 std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
                                std::span<const double> offsets, int multiples);
 
-/// A sine of a band and its share in a mean over the band's logarithm.
+/// A sine of a band, and what it counts for in the mean over the band's logarithm of what one clock puts beside sines.
 struct BandSine {
   Hertz frequency;
   double share = 0.0;
+  std::size_t clock = 0;
 };
-/// Sines for the mean over a band of what clocks put beside them (clock_lines_hz), by trapezoids: spread over its decades, and around
-/// every multiple of a clock at distances that grow by half, as the line that falls there from a sine next to a multiple is as narrow
-/// as the path that samples it is slow (evenly spread sines miss it, or count one for many), and where lines come into the band. At
-/// most `most` of them where that is no less than a spread's: distances grow faster, or are left out, where there would be more.
+/// Sines for that mean of each clock (clock_lines_hz), by the middles of panels: over the decades below half the clock, and around its
+/// multiples at distances that grow evenly, as the line that falls there from a sine next to a multiple is as narrow as the path that
+/// samples it is slow (sines spread evenly over the band miss it, or count one for many). At most `most` of them, if in
+/// wider panels. Clocks beyond twice the band have none.
 std::vector<BandSine> image_sines(std::span<const double> clocks_hz, Band band, double most);
 
-/// Lines that clocks put around a sine, each once: k fc + f (below 0: the conjugate line above) for the first multiples and for those
-/// whose lines are nearest to 0, without the sine's own; of these the ones whose |frequency| lies in the band.
-std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, double sine_hz, Band band);
+/// Lines that a clock puts around a sine, each once (of several clocks that put it there it is the fastest one's): k fc + f (below 0:
+/// the conjugate line above) for the first multiples and for those whose lines are nearest to 0, without the sine's own; of these the
+/// ones whose |frequency| lies in the band.
+std::vector<double> clock_lines_hz(std::span<const double> clocks_hz, std::size_t clock, double sine_hz,
+                                   Band band);
 
 }  // namespace bodesmith::fpaa

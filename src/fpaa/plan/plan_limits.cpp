@@ -103,14 +103,22 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   constexpr double kAroundClock[] = {-0.3, 0.3};
   const std::set<double> all = plan.clocks_hz();
   const std::vector<double> clocks(all.begin(), all.end());
-  std::vector<BandSine> signals =
-      image_sines(clocks, band, kPieces / static_cast<double>(board.pieces() * clocks.size()));
-  for (const Hertz f : near_clocks(clocked_poles(plan), band, kAroundClock, kBeatMultiples))
-    signals.push_back({f, 0.0});
+  constexpr int kSpread = 16;
+  constexpr Band kLines{{kLeastLineHz}, {kImagesBelowHz}};
+  std::vector<BandSine> signals = image_sines(clocks, band, kPieces / static_cast<double>(board.pieces()));
+  for (const auto& others :
+       {log_grid(band, kSpread), near_clocks(clocked_poles(plan), band, kAroundClock, kBeatMultiples)}) {
+    for (const Hertz f : others) signals.push_back({f});
+  }
   ImageLines out;
   for (const BandSine& sine : signals) {
     const Hertz f = sine.frequency;
-    const std::vector<double> lines = clock_lines_hz(clocks, f.value, {{kLeastLineHz}, {kImagesBelowHz}});
+    std::vector<double> lines;
+    for (std::size_t clock = 0; clock < clocks.size(); ++clock) {
+      if (sine.share > 0.0 && sine.clock != clock) continue;
+      const std::vector<double> own = clock_lines_hz(clocks, clock, f.value, kLines);
+      lines.insert(lines.end(), own.begin(), own.end());
+    }
     std::vector<RadPerSecond> asked;
     for (const double line : lines) asked.push_back(Hertz{line}.rad_s());
     asked.push_back(f.rad_s());

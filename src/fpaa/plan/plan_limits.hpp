@@ -47,7 +47,7 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band);
 struct ImageLines {
   std::optional<ImageLine> largest;  ///< below 100 kHz; nothing when none lies there
   std::optional<ImageLine> in_band;  ///< within the band
-  /// Of sines of the band (image_sines): the rms of all their lines within the band (1: the input's).
+  /// Of sines of the band (image_sines): the rms of their lines within the band (1: the input's).
   struct Sine {
     BandSine signal;
     double rms = 0.0;

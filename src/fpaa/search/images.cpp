@@ -84,7 +84,8 @@ double image_share(const Design& design, const DesignTarget& target) {
   sines.band = target.band;
   sines.master_hz = target.master_hz;
   std::vector<double> weights;
-  for (const BandSine& sine : image_sines(clocks, target.band, kMostSines)) {
+  const std::vector<BandSine> band_sines = image_sines(clocks, target.band, kMostSines);
+  for (const BandSine& sine : band_sines) {
     const RadPerSecond w = sine.frequency.rad_s();
     sines.grid.push_back(w);
     weights.push_back(sine.share / std::pow(error_reference(target.sections, w), 2));
@@ -95,7 +96,7 @@ double image_share(const Design& design, const DesignTarget& target) {
   for (std::size_t k = 0; k < sines.grid.size(); ++k) {
     const double f = sines.grid[k].hz().value;
     double squares = 0.0;
-    for (const double line : clock_lines_hz(clocks, f, target.band)) {
+    for (const double line : clock_lines_hz(clocks, band_sines[k].clock, f, target.band)) {
       const double away = 2.0 * std::numbers::pi * (line - f);
       squares += std::norm(line_of(response, k, sines.grid[k].value, away));
     }

@@ -124,14 +124,12 @@ class Builder {
   /// What a block behind delays is later, the chain without them is now.
   template <class T>
   std::vector<T> moved_up(std::vector<T> list) const {
-    if (list.size() < 2) return list;
-    const double shift = std::min(std::round(model_.delay_s / step_s_), static_cast<double>(list.size()));
-    const auto by = static_cast<std::size_t>(shift);
-    if (by == 0) return list;
+    const std::size_t size = list.size();
     const T last = list.back();
-    std::vector<T> out(list.begin() + static_cast<std::ptrdiff_t>(by), list.end());
-    out.resize(list.size(), last);
-    return out;
+    const double by = std::min(std::round(model_.delay_s / step_s_), static_cast<double>(size));
+    list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(by));
+    list.resize(size, last);
+    return list;
   }
 
   LocalModel& model_;

@@ -26,10 +26,8 @@ double search_slope(const SearchVariable& u, double value) {
   return u.logarithmic ? value : u.scale;
 }
 double clamped_in_search(const SearchVariable& u, double s) {
-  const bool has_min = std::isfinite(u.min) && !(u.logarithmic && u.min <= 0.0);
-  const double low = has_min ? to_search(u, u.min) : -std::numeric_limits<double>::infinity();
-  const double high = std::isfinite(u.max) ? to_search(u, u.max) : std::numeric_limits<double>::infinity();
-  return std::clamp(s, low, high);
+  const double least = u.logarithmic ? std::max(u.min, 0.0) : u.min;
+  return std::clamp(s, to_search(u, least), to_search(u, u.max));
 }
 
 /// One column by a forward difference, backward at an upper bound; nothing where neither can be run.

@@ -69,7 +69,6 @@ struct LeastSquaresResult {
   Eigen::MatrixXd gram;
   /// Standard deviations of the values for white residuals; infinite for what changes nothing.
   Eigen::VectorXd deviation;
-  /// Of the column-scaled Jacobian, over the unknowns that rest at no bound and change something.
 };
 
 /// min |r(x)|² within bounds by Levenberg and Marquardt (Marquardt, J. SIAM 11 (1963) 431) with Nielsen's

@@ -62,7 +62,6 @@ void LinearPropagator::prepare(const chain::LinearKernel& system, double h, cons
   shift_.assign(width, 0);
   next_.resize(order_);
   by_modes_ = false;
-  if (order_ == 0 && !delayed_) return;
   if (!keeps_states && order_ >= kLeastModes && prepare_modes(system, h, nodes)) return;
   seen_ = system.c;
   const std::array<const double*, 1> inputs = {system.b.data()};
@@ -186,11 +185,6 @@ bool LinearPropagator::run_fixed_size(const double* u, double* y, std::size_t ho
 }
 
 void LinearPropagator::run(const double* u, double* y, std::size_t holds, double* x, double before) {
-  if (order_ == 0 && !delayed_) {
-    const std::size_t count = holds * (degree_ + 1);
-    for (std::size_t i = 0; i < count; ++i) y[i] = gain_ * u[i] + offset_;
-    return;
-  }
   if (by_modes_) return run_modes(u, y, holds, x, before);
   if (!delayed_ && run_fixed_size(u, y, holds, x)) return;
   run_any(u, y, holds, x, before);

@@ -46,6 +46,31 @@ TEST(ParticleSwarm, FindsTheDeepestOfManyMinimaWithinTheBounds) {
   for (const double v : found.x) EXPECT_NEAR(v, 0.4, 1e-3);  // the bound nearest to the minimum
 }
 
+/// Before the first generation the points are even over the box: mean in its middle, variance span²/12, unknowns without correlation.
+TEST(PopulationSearch, BeginsEvenlyOverTheBox) {
+  const VectorXd low = (VectorXd(2) << -4.0, 1.0).finished(), high = (VectorXd(2) << 2.0, 3.0).finished();
+  for (const bool swarm : {false, true}) {
+    const double count = 4000.0;
+    VectorXd sum = VectorXd::Zero(2);
+    MatrixXd squares = MatrixXd::Zero(2, 2);
+    const auto cost = [&](const VectorXd& x) {
+      const VectorXd unit = (x - low).cwiseQuotient(high - low) - VectorXd::Constant(2, 0.5);
+      EXPECT_LE(unit.cwiseAbs().maxCoeff(), 0.5);
+      sum += unit;
+      squares += unit * unit.transpose();
+      return x(0);
+    };
+    if (swarm)
+      pso_cuckoo(cost, low, high, {.particles = 4000, .generations = 0});
+    else
+      differential_evolution(cost, low, high, {.population = 4000, .generations = 0});
+    // Five standard errors: of a mean sqrt(1/12/count), of a square sqrt(1/180/count), of a product 1/12/sqrt(count).
+    EXPECT_LT((sum / count).cwiseAbs().maxCoeff(), 5.0 * std::sqrt(1.0 / 12.0 / count));
+    EXPECT_LT((squares / count - MatrixXd::Identity(2, 2) / 12.0).cwiseAbs().maxCoeff(),
+              5.0 / 12.0 / std::sqrt(count));
+  }
+}
+
 TEST(PopulationSearch, EndsWhenItIsAskedToStop) {
   const VectorXd low = VectorXd::Constant(3, -4.0), high = VectorXd::Constant(3, 4.0);
   ask_to_stop();

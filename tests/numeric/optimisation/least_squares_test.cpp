@@ -168,6 +168,26 @@ TEST(LeastSquares, BroydenSavesRunsOfTheModel) {
   EXPECT_LT(with.cost, 1.01 * without.cost + 1e-8);
 }
 
+/// On its way to 10 by ones, the sum of squares falling by a fifth and more, two steps of three need no derivatives.
+TEST(LeastSquares, AJacobianIsKeptThroughTwoUpdates) {
+  const auto residuals = [](const VectorXd& x, VectorXd& r) {
+    r = VectorXd::Constant(1, x(0) - 10.0);
+    return true;
+  };
+  for (const bool broyden : {true, false}) {
+    int asked = 0;
+    const auto jacobian = [&](const VectorXd&, MatrixXd& j) {
+      j = MatrixXd::Ones(1, 1);
+      ++asked;
+    };
+    const auto fit =
+        least_squares({{.value = 0.0}}, residuals,
+                      {.max_iterations = 9, .jacobian = jacobian, .broyden = broyden, .max_step = 1.0});
+    EXPECT_DOUBLE_EQ(fit.values(0), 9.0);
+    EXPECT_EQ(asked, broyden ? 3 : 9);
+  }
+}
+
 TEST(LeastSquares, SensitivitiesAreDerivativesInSearchCoordinates) {
   Decay decay;
   const VectorXd at = (VectorXd(3) << 2.0, 3.0, 0.5).finished();

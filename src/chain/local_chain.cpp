@@ -243,14 +243,10 @@ Eigen::VectorXd LocalChain::at_rest() const {
     }
     const SampledSystem& s = std::get<Systems>(element).front();
     const Eigen::Index n = s.phi.rows();
-    if (n > 0) {
-      const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(n, n) - s.phi;
-      const Eigen::VectorXd x = solve_lu(left, (s.from + s.to) * signal);
-      out.segment(at, n) = x;
-      signal = s.c.dot(x) + s.d * signal;
-    } else {
-      signal *= s.d;
-    }
+    const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(n, n) - s.phi;
+    const Eigen::VectorXd x = solve_lu(left, (s.from + s.to) * signal);
+    out.segment(at, n) = x;
+    signal = s.c.dot(x) + s.d * signal;
     at += n;
   }
   out(m - 2) = out(m - 1) = 1.0;
@@ -259,8 +255,7 @@ Eigen::VectorXd LocalChain::at_rest() const {
 
 std::vector<double> LocalChain::change_for(const LocalGoal& goal) const {
   const Eigen::Index m = eigen_index(order()) + 2;
-  Eigen::VectorXd rest = at_rest();
-  Eigen::VectorXd start = rest;
+  Eigen::VectorXd start = at_rest();
   if (!goal.from_rest) start.head(m - 2).setZero();
   Eigen::VectorXd fixed = Eigen::VectorXd::Zero(m);
   std::vector<double> out;

@@ -17,7 +17,7 @@ class Counts {
   /// Ranges are those of `shape`.
   explicit Counts(const Result& shape);
 
-  /// Adds one sample's deviations; `stride` between frequencies.
+  /// Adds one sample's deviations.
   void add(std::size_t i, double decibel, double degrees) {
     count(2 * i, decibel);
     count(2 * i + 1, degrees);

@@ -62,7 +62,7 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
                      schematic::Assumptions{.ideal_opamps = design.ideal_opamps});
   }
   const size_t lanes = pairs_.size() * kBlock, points = options.grid.size();
-  for (auto* list : {&b0_, &b1_, &b2_, &a0_, &a1_, &a2_}) list->assign(lanes, 0.0);
+  for (auto* list : {&b0_, &b1_, &b2_, &a1_, &a2_}) list->assign(lanes, 0.0);
   for (auto* list : {&nr_, &ni_, &dr_, &di_}) list->assign(kBlock, 0.0);
   decibel_.assign(points * kBlock, 0.0);
   degrees_.assign(points * kBlock, 0.0);
@@ -107,7 +107,6 @@ void Kernel::coefficients(int lane) {
     b0_[at] = h.b0 * unit;
     b1_[at] = h.b1 * unit;
     b2_[at] = h.b2 * unit;
-    a0_[at] = 1.0;
     a1_[at] = h.a1 * unit;
     a2_[at] = h.a2 * unit;
   }

@@ -46,7 +46,7 @@ class Kernel {
   std::vector<double> extra_;         ///< what each part has too much, in its own unit
   std::vector<double> ppm_;           ///< temperature coefficient of each part
   bool warm_ = false;
-  std::vector<double> b0_, b1_, b2_, a0_, a1_, a2_;  ///< [pair][lane]
+  std::vector<double> b0_, b1_, b2_, a1_, a2_;       ///< a0 = 1; [pair][lane]
   std::vector<double> w_;                            ///< [frequency], rad/s
   std::vector<double> reference_re_, reference_im_;  ///< 1/reference
   std::vector<double> nr_, ni_, dr_, di_;            ///< [lane]

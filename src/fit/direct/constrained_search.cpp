@@ -20,9 +20,6 @@ using Eigen::VectorXd;
 /// Np: a fit this close is exact, and further steps would polish rounding.
 constexpr double kExact = 1e-9;
 
-/// Relative, of a step: rounds of rows agree to a thousand times as much.
-constexpr double kStepGap = 1e-7;
-
 /// Cost per neper of mask violation, against nepers of error.
 constexpr double kMaskCost = 100.0;
 
@@ -150,7 +147,6 @@ class StepProgram {
     const Index rows =
         (level != kNone ? 2 * errors : 0) + box.b.size() + (violation != kNone ? masks + 1 : 0);
     QuadraticProgram p;
-    if (!least_squares_) p.gap = kStepGap;
     p.q = MatrixXd::Zero(size, size);
     p.c = VectorXd::Zero(size);
     p.a = MatrixXd::Zero(rows, size);

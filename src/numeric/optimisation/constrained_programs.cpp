@@ -293,7 +293,7 @@ QuadraticProgramResult solve_quadratic_program(const QuadraticProgram& p, const 
     const VectorXd primal = a.times(x) + s - p.b;
     const double gap = s.dot(z) / static_cast<double>(m);
     const double objective = std::abs(0.5 * x.dot(p.q * x) + p.c.dot(x));
-    if (gap * static_cast<double>(m) < p.gap * (1e-6 + objective) && primal.cwiseAbs().maxCoeff() < 1e-9 &&
+    if (gap * static_cast<double>(m) < 1e-9 * (1e-6 + objective) && primal.cwiseAbs().maxCoeff() < 1e-9 &&
         dual.cwiseAbs().maxCoeff() < 1e-9 * scale) {
       out.solved = true;
       break;

@@ -33,13 +33,12 @@ struct QuadraticProgram {
   Eigen::VectorXd c;
   Eigen::MatrixXd a;
   Eigen::VectorXd b;
-  double gap = 1e-9;  ///< relative, at which it counts as solved
 };
 
 struct QuadraticProgramResult {
   Eigen::VectorXd x;
   Eigen::VectorXd multiplier;  ///< of the inequalities, >= 0
-  bool solved = false;         ///< to the relative gap asked for; otherwise x is the best iterate
+  bool solved = false;         ///< to a relative gap of 1e-9; otherwise x is the best iterate
 };
 
 /// Mehrotra's predictor-corrector interior-point method with dense normal equations: for few variables (tens)

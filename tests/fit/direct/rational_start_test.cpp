@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <mutex>
+#include <utility>
+#include <vector>
 
 #include "fit/direct/curve_target.hpp"
 #include "fit/direct/direct_fit.hpp"
@@ -90,6 +94,57 @@ TEST(RationalStart, FewPointsHaveNone) {
   const CurveTarget target = make_curve_target(dense_curve(20, 20000, 12, pink_gain), false);
   const RootModel model = StartBuilder::make_model(4, 4, false, RadPerSecond{6000.0});
   EXPECT_FALSE(rational_start(model, target, RootLimits()).has_value());
+}
+
+/// Pairs that begin as real roots have these roots' response; what was added to a smaller model nearly cancels: real roots within
+/// e^±.15 of one another, dampings of .6 and .9 at one place.
+TEST(StartBuilder, StartsAreEvenOrNearlyASmallerModel) {
+  const RadPerSecond low{10.0}, high{1e5};
+  for (const bool real : {true, false}) {
+    std::mutex lock;
+    std::vector<std::pair<RootModel, Eigen::VectorXd>> starts;
+    const auto keep = [&](const RootModel& model, const Eigen::VectorXd& theta) {
+      const std::lock_guard hold(lock);
+      starts.emplace_back(model, theta);
+      return SearchResult{theta, static_cast<double>(starts.size())};
+    };
+    StartBuilder({.low = low, .high = high, .real = real, .random = 0}, keep).build(4, 4, RadPerSecond{1.0});
+    const double farthest = real ? 0.3 : std::log(1.5);
+    int even = 0;
+    for (const auto& [model, theta] : starts) {
+      if (model.zeros() != 4) continue;
+      const auto distance = [&](const std::function<double(double)>& log_gain_at) {
+        double most = 0.0;
+        for (double w = 1.0; w < 1e7; w *= 1.3)
+          most = std::max(most, std::abs(model.log_response(theta, RadPerSecond{w}).real() - log_gain_at(w)));
+        return most;
+      };
+      double nearest = INFINITY;
+      for (const double shift : {0.2, -0.2}) {
+        const double spread = distance([&](double w) {
+          double sum = 0.0;
+          for (const double sign : {1.0, -1.0}) {
+            for (int i = 0; i < 4; ++i) {
+              const double corner =
+                  low.value * std::pow(high.value / low.value, (i + 0.5 + sign * shift) / 4.0);
+              sum += 0.5 * sign * std::log((corner * corner + w * w) / (corner * corner + 1.0));
+            }
+          }
+          return sum;
+        });
+        even += spread < 1e-6 ? 1 : 0;
+        nearest = std::min(nearest, spread);
+      }
+      for (const auto& smaller : starts) {
+        if (smaller.first.zeros() < 4)
+          nearest = std::min(nearest, distance([&](double w) {
+                               return smaller.first.log_response(smaller.second, RadPerSecond{w}).real();
+                             }));
+      }
+      EXPECT_LE(nearest, farthest) << theta;
+    }
+    EXPECT_EQ(even, 2);
+  }
 }
 
 // Root by root and frequency by frequency give the same errors and slopes.

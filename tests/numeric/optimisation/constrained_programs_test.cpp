@@ -31,7 +31,6 @@ LevelProgram drawn(Random& random, Index rows, Index n, Index general) {
 double level_by_interior_points(const LevelProgram& p) {
   const Index rows = p.error.size(), n = p.slope.cols(), general = p.b.size();
   QuadraticProgram q;
-  q.gap = 1e-10;
   q.q = MatrixXd::Zero(n + 1, n + 1);
   q.c = VectorXd::Zero(n + 1);
   if (p.cost.size() > 0) q.c.head(n) = p.cost;

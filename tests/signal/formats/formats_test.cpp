@@ -142,7 +142,8 @@ TEST(Touchstone, WhatItTakesWithoutAChoiceAndWhatItRefuses) {
   const std::string version2 = "[Version] 2.0\n# Hz S RI R 50\n[Number of Ports] ";
   for (const std::string& wrong :
        {std::string("# Hz S RI R 50\n1 1 0\n1 1 0\n"), std::string("# Hz S RI R 50\n-1 1 0\n"),
-        std::string("# Hz S RI R 50\n1 1 0 1 0\n"), version2 + "1\n[Network Data]\n1 1 0\n",
+        std::string("# Hz S RI R 50\n1 1 0 1 0\n"), std::string("# Hz Z RI R 0\n1 1 0\n"),
+        std::string("# Hz Z RI R\n1 1 0\n"), version2 + "1\n[Network Data]\n1 1 0\n",
         version2 + "100\n[Network Data]\n1 1 0\n[End]\n", version2 + "0\n[Network Data]\n1 1 0\n[End]\n",
         version2 + "1\n[Number of Frequencies] 2\n[Network Data]\n1 1 0\n[End]\n",
         version2 + "1\n[Network Data]\n1 1 0 2\n[End]\n", version2 + "1\n[Network Data]\n[End]\n"})

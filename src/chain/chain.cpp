@@ -50,16 +50,6 @@ std::optional<Complex> Chain::response(RadPerSecond w) const {
   return h;
 }
 
-std::vector<Parameter*> Chain::free_parameters() {
-  std::vector<Parameter*> out;
-  for (Block& block : blocks) {
-    for (Parameter& p : block.parameters()) {
-      if (p.free) out.push_back(&p);
-    }
-  }
-  return out;
-}
-
 std::string Chain::label(const Parameter& parameter) const {
   for (size_t i = 0; i < blocks.size(); ++i) {
     for (const Parameter& p : blocks[i].parameters()) {

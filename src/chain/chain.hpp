@@ -54,8 +54,6 @@ struct Chain {
 
   /// Product of the blocks' exact responses; nothing when one of them is not linear.
   std::optional<Complex> response(RadPerSecond w) const;
-  /// Every free parameter, in chain order. Pointers stay good until blocks or list lengths change.
-  std::vector<Parameter*> free_parameters();
   /// "block 2 (lowpass) corner_hz", "block 2 (lowpass, amplifier) corner_hz" of one with a name, for messages and summaries; blocks count from 1.
   std::string label(const Parameter& parameter) const;
 };

@@ -313,13 +313,16 @@ TEST(Yield, PlanMismatchFollowsTheCapacitorRatio) {
 }
 
 TEST(Yield, APlanWhoseCapacitorsDoNotMakeItsCoefficientsIsRefused) {
-  std::string text = kPlan;
-  text.replace(text.find("[222"), 4, "[233");
-  try {
-    design_of_plan(parse_json(text, "plan.json"), "plan");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("plan.json:3"), std::string::npos) << error.what();
+  // At no frequency, and at rest alone.
+  for (const std::string wrong : {"[233,-210]", "[232,-220]"}) {
+    std::string text = kPlan;
+    text.replace(text.find("[222"), wrong.size(), wrong);
+    try {
+      design_of_plan(parse_json(text, "plan.json"), "plan");
+      FAIL() << wrong;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("plan.json:3"), std::string::npos) << error.what();
+    }
   }
 }
 

@@ -171,6 +171,9 @@ TEST(Tracking, AGainScheduledOnFrequencyLeavesOnlyItsTablesError) {
     EXPECT_DOUBLE_EQ(report.find(f, "held")->rms_percent, report.find(f, "constant")->rms_percent);
   }
   EXPECT_THROW(track(plant, {{"empty", ConstantGain{}, ScheduledGain{}, ""}}, options), InputError);
+  // A loop that runs away beyond all numbers.
+  const ConstantGain large{30.0};
+  EXPECT_THROW(track(plant, {{"loop", large, large, "", GeneratorForm::self_fed()}}, options), DesignError);
 }
 
 }  // namespace

@@ -37,7 +37,6 @@ void join_stage(RecordStage& stage, LinearKernel next) {
     next.constant.clear();
   }
   stage.merged = chain::in_series(stage.merged, next);
-  if (stage.merged.delay_s == 0.0) stage.front = stage.merged.order();
 }
 
 }  // namespace
@@ -60,15 +59,8 @@ bool KernelSlot::refresh(const chain::Block& block) {
   return true;
 }
 
-std::size_t state_count(const Kernel& kernel) {
-  if (const auto* linear = std::get_if<LinearKernel>(&kernel)) return linear->order();
-  if (const auto* ode = std::get_if<std::unique_ptr<OdeKernel>>(&kernel)) return (*ode)->linear().order();
-  return 0;
-}
-
 std::vector<RecordStage> record_stages(const std::vector<KernelSlot>& slots, std::size_t blocks) {
   std::vector<RecordStage> stages;
-  std::size_t state = 0;
   for (std::size_t i = 0; i < blocks; ++i) {
     const Kernel& kernel = slots[i].kernel();
     const auto* linear = std::get_if<LinearKernel>(&kernel);
@@ -78,12 +70,10 @@ std::vector<RecordStage> record_stages(const std::vector<KernelSlot>& slots, std
       RecordStage stage;
       stage.first = i;
       stage.linear = linear != nullptr;
-      stage.state = state;
       stage.merged.d = 1.0;
       stages.push_back(std::move(stage));
     }
     if (linear != nullptr) join_stage(stages.back(), *linear);
-    state += state_count(kernel);
   }
   return stages;
 }

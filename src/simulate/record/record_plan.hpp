@@ -30,21 +30,15 @@ class KernelSlot {
   Built before_;
 };
 
-/// States of a block, in the order of Chain::blocks.
-std::size_t state_count(const chain::Kernel& kernel);
-
 /// Neighbouring linear blocks, or one block of another kind.
 ///
 /// The delays of a linear run are moved to its end, where they are exact. What does not come from the input
-/// must not be delayed with it: constants and initial states of blocks behind a delay run alongside, in a system
-/// of their own.
+/// must not be delayed with it: constants of blocks behind a delay run alongside, in a system of their own.
 struct RecordStage {
   std::size_t first = 0;  ///< block
   bool linear = false;
   chain::LinearKernel merged;
-  std::size_t front = 0;          ///< states of `merged` in front of its delay
   chain::LinearKernel undelayed;  ///< driven by constants only; its states are those behind the delay
-  std::size_t state = 0;          ///< place of its states among all states
 };
 
 /// The first `blocks` blocks as stages.

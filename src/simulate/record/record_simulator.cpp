@@ -28,16 +28,15 @@ using chain::OdeKernel;
 using chain::SampledKernel;
 using chain::SourceKernel;
 
-bool is_silent(const LinearKernel& k, const std::vector<double>& x) {
-  return k.offset == 0.0 && k.constant.empty() && std::ranges::all_of(x, [](double v) { return v == 0.0; });
+/// From rest and without an input.
+bool is_silent(const LinearKernel& k) {
+  return k.offset == 0.0 && k.constant.empty();
 }
 
-/// Output of a linear kernel at rest under u; adds its states at rest to x.
-double add_rest(const StateSpace& k, double u, double* x) {
-  std::vector<double> still(k.order());
-  equilibrium(k, u, still.data());
-  for (std::size_t i = 0; i < still.size(); ++i) x[i] += still[i];
-  return output(k, u, still.data());
+/// Output of a linear kernel at rest under u, and its states there.
+double rest_of(const StateSpace& k, double u, std::vector<double>& x) {
+  equilibrium(k, u, x.data());
+  return output(k, u, x.data());
 }
 
 }  // namespace
@@ -74,8 +73,6 @@ struct RecordSimulator::Implementation {
   Start start = Start::zero;
   std::vector<KernelSlot> slots;
   std::vector<RecordStage> stages;
-  std::vector<double> initial;
-  std::vector<double> state;
   std::vector<double> signal;
   std::vector<double> other;
   std::vector<double> third;
@@ -105,16 +102,13 @@ struct RecordSimulator::Implementation {
 
   void refresh(std::size_t blocks) {
     slots.resize(chain.blocks.size());
-    std::size_t states = 0;
     model_error = 0.0;
     for (std::size_t i = 0; i < chain.blocks.size(); ++i) {
       if (slots[i].refresh(chain.blocks[i])) forget_behind(i);
       if (i >= blocks) continue;
-      states += state_count(slots[i].kernel());
       if (const auto* k = std::get_if<LinearKernel>(&slots[i].kernel()))
         model_error += k->approximation_error;
     }
-    initial.resize(std::max(initial.size(), states), 0.0);
     stages = record_stages(slots, blocks);
     const double h = step_s / static_cast<double>(options.oversample);
     degree = needed_degree(stages, slots, h);
@@ -157,11 +151,7 @@ struct RecordSimulator::Implementation {
                std::holds_alternative<std::unique_ptr<SourceKernel>>(kernel);
       }
       const double delay = stage.merged.delay_s / step_s;
-      const auto behind = initial.begin() + static_cast<std::ptrdiff_t>(stage.state + stage.front);
-      return std::abs(delay - std::round(delay)) < 1e-12 && stage.undelayed.offset == 0.0 &&
-             stage.undelayed.constant.empty() &&
-             std::all_of(behind, behind + static_cast<std::ptrdiff_t>(stage.undelayed.order()),
-                         [](double x) { return x == 0.0; });
+      return std::abs(delay - std::round(delay)) < 1e-12 && is_silent(stage.undelayed);
     });
   }
 
@@ -186,7 +176,6 @@ struct RecordSimulator::Implementation {
 
   std::span<const double> run_samples(std::span<const double> u) {
     result.assign(u.begin(), u.end());
-    state.assign(initial.begin(), initial.end());
     double rest = u[0];
     for (const RecordStage& stage : stages) {
       if (stage.linear) {
@@ -204,9 +193,8 @@ struct RecordSimulator::Implementation {
         std::min(std::round(k.delay_s / step_s), static_cast<double>(result.size())));
     k.delay_s = 0.0;
     main_state.assign(k.order(), 0.0);
-    std::copy_n(state.data() + stage.state, delay > 0 ? stage.front : k.order(), main_state.begin());
     double before = 0.0;
-    if (start == Start::equilibrium) rest = before = add_rest(k, rest, main_state.data());
+    if (start == Start::equilibrium) rest = before = rest_of(k, rest, main_state);
     linear_of(stage)
         .of(k, step_s, hold_nodes(1))
         .run_samples(result.data(), result.size() - delay, main_state.data());
@@ -243,7 +231,6 @@ struct RecordSimulator::Implementation {
             start == Start::equilibrium, u[0]};
     if (run.plan.spans.empty()) run.plan.spans.push_back({0, step_s});
     if (right_limits || u.size() == 1) ++run.plan.spans.back().holds;
-    state.assign(initial.begin(), initial.end());
     Progress progress("simulation");
     const auto count = static_cast<double>(stages.size());
     std::size_t i = go_on_from_kept(u, run);
@@ -300,9 +287,8 @@ struct RecordSimulator::Implementation {
     }
     if (stage.linear) return run_linear(stage, run);
     jumps.clear();
-    double* x = state.data() + stage.state;
     run.place = {is_kinked(stage), shows_at_nodes_only(stage)};
-    std::visit([&](auto& kernel) { run_kernel(kernel, run, x); }, slots[stage.first].kernel());
+    std::visit([&](auto& kernel) { run_kernel(kernel, run); }, slots[stage.first].kernel());
   }
 
   /// Whether what reaches this stage has corners between the nodes: of curves, memory and clocks, until dynamics take them off.
@@ -377,19 +363,15 @@ struct RecordSimulator::Implementation {
   void run_linear(const RecordStage& stage, Run& run) {
     const LinearKernel& k = stage.merged;
     const bool delayed = k.delay_s > 0.0;
-    const double* x = state.data() + stage.state;
-    // States behind the delay belong to what runs alongside.
     main_state.assign(k.order(), 0.0);
-    std::copy_n(x, delayed ? stage.front : k.order(), main_state.begin());
     undelayed_state.assign(stage.undelayed.order(), 0.0);
-    std::copy_n(x + stage.front, stage.undelayed.order(), undelayed_state.begin());
     double before = 0.0;
     if (run.equilibrium) {
-      before = add_rest(k, run.rest, main_state.data());
-      run.rest = before + add_rest(stage.undelayed, 0.0, undelayed_state.data());
+      before = rest_of(k, run.rest, main_state);
+      run.rest = before + rest_of(stage.undelayed, 0.0, undelayed_state);
     }
     run_linear(linear_of(stage), k, run, signal.data(), other.data(), main_state.data(), before);
-    if (delayed && !is_silent(stage.undelayed, undelayed_state)) {
+    if (delayed && !is_silent(stage.undelayed)) {
       // `signal` is free now.
       std::ranges::fill(signal, 0.0);
       third.resize(signal.size());
@@ -419,16 +401,14 @@ struct RecordSimulator::Implementation {
     }
   }
 
-  void run_kernel(LinearKernel&, Run&, double*) {
-    throw std::logic_error("a linear block outside a linear stage");
-  }
+  void run_kernel(LinearKernel&, Run&) { throw std::logic_error("a linear block outside a linear stage"); }
 
-  void run_kernel(std::unique_ptr<CurveKernel>& curve, Run& run, double*) {
+  void run_kernel(std::unique_ptr<CurveKernel>& curve, Run& run) {
     curve->values(signal.data(), signal.data(), run.values());
     run.rest = curve->value(run.rest);
   }
 
-  void run_kernel(std::unique_ptr<SourceKernel>& source, Run& run, double*) {
+  void run_kernel(std::unique_ptr<SourceKernel>& source, Run& run) {
     double* v = signal.data();
     double from = options.start_s;
     for (const HoldSpan& span : run.plan.spans) {
@@ -441,12 +421,12 @@ struct RecordSimulator::Implementation {
     run.rest += source->value(options.start_s);
   }
 
-  void run_kernel(std::unique_ptr<OdeKernel>& system, Run& run, double* x) {
+  void run_kernel(std::unique_ptr<OdeKernel>& system, Run& run) {
+    main_state.assign(system->linear().order(), 0.0);
+    double* const x = main_state.data();
     if (run.equilibrium) {
-      std::vector<double> still(system->linear().order());
-      system->equilibrium(run.rest, still.data());
-      for (std::size_t i = 0; i < still.size(); ++i) x[i] += still[i];
-      run.rest = output(system->linear(), run.rest, still.data());
+      system->equilibrium(run.rest, x);
+      run.rest = output(system->linear(), run.rest, x);
     }
     const double* u = signal.data();
     double* y = other.data();
@@ -470,14 +450,14 @@ struct RecordSimulator::Implementation {
     std::swap(signal, other);
   }
 
-  void run_kernel(std::unique_ptr<MemoryKernel>& memory, Run& run, double*) {
+  void run_kernel(std::unique_ptr<MemoryKernel>& memory, Run& run) {
     run.rest = memory->has_branches()
                    ? branch.run(*memory, run.nodes, run.plan.spans, signal.data(),
                                 run.equilibrium ? signal[0] : 0.0, run.place)
                    : run_memory(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium);
   }
 
-  void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*) {
+  void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run) {
     const HoldSpan& all = run.only_span();
     require_few_edges(sampled->clock_hz() * all.h * static_cast<double>(all.holds),
                       fmt::format("a clock of {} Hz", rounded_text(sampled->clock_hz())));
@@ -505,9 +485,6 @@ RecordSimulator& RecordSimulator::operator=(RecordSimulator&&) noexcept = defaul
 
 Chain& RecordSimulator::chain() {
   return implementation_->chain;
-}
-std::span<double> RecordSimulator::initial_states() {
-  return implementation_->initial;
 }
 std::span<const double> RecordSimulator::run(std::span<const double> u) {
   return implementation_->run(u, implementation_->chain.blocks.size());

@@ -22,7 +22,7 @@ struct RecordOptions {
   /// share of the forces at which Newton's iteration ends. Searches take them coarser.
   double max_turn_rad = 0.75;
   double newton_tolerance = 1e-13;
-  /// Every run has the same input (samples that stay where they are and as they are) and the same initial states: what lies
+  /// Every run has the same input (samples that stay where they are and as they are): what lies
   /// in front of the first block that changed since the last run is not worked out again.
   bool same_input = false;
 };
@@ -47,10 +47,6 @@ class RecordSimulator {
 
   /// Change parameter values here between runs; adding blocks or list entries needs a new object.
   chain::Chain& chain();
-
-  /// States of all linear and smooth nonlinear blocks, chain order: what run() starts from, or with
-  /// Start::equilibrium what comes on top of rest (zeros unless set). Sized by the constructor.
-  std::span<double> initial_states();
 
   /// Output at every sample of u; the view stays good until the next run.
   std::span<const double> run(std::span<const double> u);

@@ -29,8 +29,7 @@ TEST(NamedBlocks, LabelsSayTheName) {
   Chain chain;
   chain.blocks = {make_block("lowpass").set("corner_hz", 5.0)};
   chain.blocks[0].part = "amplifier";
-  chain.blocks[0].free("corner_hz");
-  EXPECT_EQ(chain.label(*chain.free_parameters()[0]), "block 1 (lowpass, amplifier) corner_hz");
+  EXPECT_EQ(chain.label(chain.blocks[0].parameters()[0]), "block 1 (lowpass, amplifier) corner_hz");
 }
 
 /// v + d(v) = r, by the equation itself.

@@ -72,7 +72,7 @@ inline TrackingError tracking_error(const std::vector<double>& got, const std::v
 inline TrackingError error_without_delay(const std::vector<double>& got, const std::vector<double>& reference,
                                          std::size_t first, double most_samples, double* found = nullptr) {
   const auto at = [&](double delay) {
-    std::vector<double> shifted = delayed(got, 1.0, -delay);
+    std::vector<double> shifted = later_by(got, -delay);
     const auto cut = static_cast<std::size_t>(std::ceil(most_samples)) + 1;
     shifted.resize(shifted.size() - cut);
     std::vector<double> r(reference.begin(), reference.end() - static_cast<std::ptrdiff_t>(cut));

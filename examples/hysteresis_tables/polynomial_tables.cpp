@@ -21,7 +21,7 @@ struct Scale {
 };
 
 Branches split(const TimeRecord& record, const Scale& scale, double delay_samples) {
-  const std::vector<double> y = delayed(record.y, 1.0, -delay_samples);
+  const std::vector<double> y = later_by(record.y, -delay_samples);
   Branches out;
   const std::size_t first = 2 * kSamples;
   for (std::size_t i = first; i + kSamples / 4 < record.u.size(); ++i) {

@@ -69,14 +69,10 @@ class OrderCandidates {
  public:
   OrderCandidates(const std::vector<FractionalLeadLag>& terms, const ApproximationOptions& options)
       : terms_(terms), options_(options), known_(terms.size()) {
-    double low = INFINITY;
-    double high = 0.0;
-    for (const FractionalLeadLag& term : terms) {
-      low = std::min(low, term.low_corner().hz().value);
-      high = std::max(high, term.high_corner().hz().value);
-    }
-    const double decades = std::log10(high / low) + 6.0;
-    grid_ = log_grid({Hertz{low / 1000.0}, Hertz{high * 1000.0}}, whole_number(60.0 * decades, 2, 60 * 700));
+    const auto [low, high] = Cascade{1.0, terms, {}}.corner_band();
+    const double decades = std::log10(high.value / low.value) + 6.0;
+    grid_ = log_grid({Hertz{low.value / 1000.0}, Hertz{high.value * 1000.0}},
+                     whole_number(60.0 * decades, 2, 60 * 700));
   }
 
   struct Candidate {

@@ -71,11 +71,7 @@ void drop_stale(const fs::path& target) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec)) {
     const std::string name = it->path().filename().string();
-    if (!name.starts_with(start)) continue;
-    const std::string digits = name.substr(start.size());
-    if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos)
-      continue;
-    if (is_running(static_cast<pid_t>(std::stol(digits)))) continue;
+    if (!name.starts_with(start) || !is_ended_process(name.substr(start.size()))) continue;
     std::error_code ignored;
     fs::remove(it->path(), ignored);
   }

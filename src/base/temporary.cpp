@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -13,6 +14,8 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+
+#include "base/text.hpp"
 
 namespace bodesmith {
 namespace {
@@ -119,6 +122,11 @@ void catch_endings() {
 
 bool is_running(pid_t process) {
   return ::kill(process, 0) == 0 || errno != ESRCH;
+}
+
+bool is_ended_process(std::string_view digits) {
+  return !digits.empty() && digits.size() <= 9 && std::ranges::all_of(digits, is_digit) &&
+         !is_running(std::stoi(std::string(digits)));
 }
 
 MemoryFile::MemoryFile(std::string_view bytes) : descriptor_(::memfd_create("bodesmith", MFD_CLOEXEC)) {

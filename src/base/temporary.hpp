@@ -42,6 +42,8 @@ void catch_endings();
 
 /// Whether that process runs.
 bool is_running(pid_t process);
+/// Whether these are the digits of the number of one that runs no more.
+bool is_ended_process(std::string_view digits);
 
 /// A file without a place on the disk, for libraries that read or write files by name only. It goes with the object.
 class MemoryFile {

@@ -74,6 +74,12 @@ std::string_view trim(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(blank) - begin + 1);
 }
 
+std::string_view next_line(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  text.remove_prefix(std::min(line.size() + 1, text.size()));
+  return line;
+}
+
 std::string folded_text(std::string_view text) {
   constexpr std::size_t kColumns = 100;
   constexpr std::size_t kWidestLabel = 20;

@@ -55,6 +55,8 @@ std::vector<std::string_view> split(std::string_view text, char separator);
 /// The words of a line, between blanks and tabs.
 std::vector<std::string_view> split_words(std::string_view line);
 std::string_view trim(std::string_view text);
+/// The first line without its end, taken off the front of `text`.
+std::string_view next_line(std::string_view& text);
 /// Lines of more than 100 characters broken at blanks; the rest is indented by two more than the line, or than what
 /// stands behind its label ("target     points.csv").
 std::string folded_text(std::string_view text);

@@ -5,6 +5,7 @@
 
 #include "chain/local_chain.hpp"
 #include "numeric/optimisation/root.hpp"
+#include "signal/time_record.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -136,18 +137,7 @@ FoundInput inverse_of(const SourceKernel& kernel, const WantedOutput& wanted) {
 }
 
 FoundInput looking_ahead(const WantedOutput& wanted, double lead_s) {
-  FoundInput out{wanted.values, {}};
-  if (!wanted.preview || lead_s == 0.0 || wanted.values.empty()) return out;
-  const double shift = lead_s / wanted.step_s;
-  const double last = static_cast<double>(wanted.values.size() - 1);
-  for (std::size_t i = 0; i < wanted.values.size(); ++i) {
-    const double place = std::clamp(static_cast<double>(i) + shift, 0.0, last);
-    const auto k = static_cast<std::size_t>(place);
-    const double fraction = place - static_cast<double>(k);
-    out.values[i] = fraction == 0.0 ? wanted.values[k]
-                                    : wanted.values[k] + fraction * (wanted.values[k + 1] - wanted.values[k]);
-  }
-  return out;
+  return {wanted.preview ? later_by(wanted.values, -lead_s / wanted.step_s) : wanted.values, {}};
 }
 
 FoundInput inverse_of(SampledKernel& kernel, const WantedOutput& wanted) {

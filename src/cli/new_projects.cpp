@@ -254,14 +254,10 @@ std::string example_record(const std::array<double, 3>& frequencies, std::uint64
   stage.blocks = {chain::make_block("gain").set("gain", 0.95).set("offset", 0.02),
                   chain::make_block("lowpass").set("corner_hz", 180.0)};
   std::vector<double> y = simulate::simulate(stage, input).y;
-  std::vector<double> time(y.size());
   Random noise(seed);
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    time[i] = input.time_s(i);
-    y[i] += 2e-4 * noise.normal();
-  }
+  for (double& value : y) value += 2e-4 * noise.normal();
   CsvWriter csv;
-  csv.add(column::time_s, time);
+  csv.add(column::time_s, input.times_s());
   csv.add(column::input, input.u);
   csv.add(column::output, y);
   return csv.text();

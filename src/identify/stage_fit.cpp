@@ -57,7 +57,7 @@ Identified identify_model(const hysteresis::ModelType* model, std::span<const Ti
 TimeRecord advanced(const TimeRecord& record, double delay_s) {
   TimeRecord out = record;
   if (delay_s == 0.0) return out;
-  out.y = delayed(record.y, record.step_s, -delay_s);
+  out.y = later_by(record.y, -delay_s / record.step_s);
   const auto lost = whole_number<std::size_t>(std::ceil(delay_s / record.step_s));
   const std::size_t kept = record.size() > lost + 2 ? record.size() - lost : 2;
   out.u.resize(kept);

@@ -171,7 +171,7 @@ Eigen::MatrixXd StageColumns::of(const TurnedRecord& turned, const Scaling& inpu
   Eigen::MatrixXd out(eigen_index(n), kCount);
   const double middle = 0.5 * static_cast<double>(n - 1);
   const auto put = [&](Eigen::Index column, std::vector<double> values) {
-    if (lag.kind == Kind::delay) values = delayed(values, record.step_s, lag.seconds);
+    if (lag.kind == Kind::delay) values = later_by(values, lag.seconds / record.step_s);
     if (lag.kind == Kind::sensor) values = behind_a_pole(values, record.step_s, lag.seconds);
     for (std::size_t i = 0; i < n; ++i) out(eigen_index(i), column) = values[i];
   };

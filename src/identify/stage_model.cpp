@@ -21,20 +21,6 @@ chain::Block gain_block(const Scaling& scaling) {
 
 }  // namespace
 
-std::vector<double> delayed(const std::vector<double>& u, double step_s, double delay_s) {
-  if (delay_s == 0.0 || u.empty()) return u;
-  std::vector<double> out(u.size());
-  const double shift = delay_s / step_s;
-  const double last = static_cast<double>(u.size() - 1);
-  for (std::size_t i = 0; i < u.size(); ++i) {
-    const double at = std::clamp(static_cast<double>(i) - shift, 0.0, last);
-    const auto k = std::min(static_cast<std::size_t>(at), u.size() - 1);
-    const double fraction = at - static_cast<double>(k);
-    out[i] = fraction == 0.0 ? u[k] : u[k] + fraction * (u[k + 1] - u[k]);
-  }
-  return out;
-}
-
 chain::Chain StageModel::chain() const {
   chain::Chain out;
   out.start = chain::Start::equilibrium;  // as simulate() does
@@ -56,14 +42,14 @@ std::vector<double> StageModel::simulate(const std::vector<double>& u, double st
   std::vector<double> y(u.size());
   if (model.type == nullptr) {
     for (std::size_t i = 0; i < u.size(); ++i) y[i] = output(input(u[i]));
-    return delayed(y, step_s, delay_s);
+    return later_by(y, delay_s / step_s);
   }
   const std::unique_ptr<hysteresis::Operator> hysteresis = make_operator(model);
   y[0] = output(hysteresis->reset(input(u[0])));
   for (std::size_t i = 1; i < u.size(); ++i) y[i] = output(hysteresis->step(input(u[i]), step_s));
   // A delay commutes with everything time-invariant; behind the operator it leaves the turning points where
   // the samples are.
-  return delayed(y, step_s, delay_s);
+  return later_by(y, delay_s / step_s);
 }
 
 }  // namespace bodesmith::identify

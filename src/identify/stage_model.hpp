@@ -28,8 +28,4 @@ struct StageModel {
   std::vector<double> simulate(const std::vector<double>& u, double step_s) const;
 };
 
-/// The input of a sampled signal delayed by a time that need not be a multiple of the step (linear between
-/// samples; before the first sample its value).
-std::vector<double> delayed(const std::vector<double>& u, double step_s, double delay_s);
-
 }  // namespace bodesmith::identify

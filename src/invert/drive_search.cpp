@@ -10,6 +10,7 @@
 #include "base/progress.hpp"
 #include "base/whole_number.hpp"
 #include "numeric/fourier.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::invert {
@@ -30,18 +31,6 @@ simulate::RecordOptions record_options(const Options& options, const TimeRecord&
 
 bool all_finite(const std::vector<double>& v) {
   return std::ranges::all_of(v, [](double x) { return std::isfinite(x); });
-}
-
-/// `v` by `shift` samples later (or earlier, below 0), its ends continued.
-std::vector<double> later_by(const std::vector<double>& v, double shift) {
-  std::vector<double> out(v.size());
-  const double last = static_cast<double>(v.size() - 1);
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const double place = std::clamp(static_cast<double>(i) - shift, 0.0, last);
-    const auto k = std::min(static_cast<std::size_t>(place), v.size() - 2);
-    out[i] = v[k] + (place - static_cast<double>(k)) * (v[k + 1] - v[k]);
-  }
-  return out;
 }
 
 }  // namespace
@@ -207,11 +196,7 @@ double DriveSearch::cost(const std::vector<double>& u, const std::vector<double>
 }
 
 double DriveSearch::error_rms() const {
-  if (output_.empty()) return INFINITY;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < output_.size(); ++i)
-    sum += (target_[i] - output_[i]) * (target_[i] - output_[i]);
-  return std::sqrt(sum / static_cast<double>(output_.size()));
+  return output_.empty() ? INFINITY : error_figures(output_, target_).rms;
 }
 
 std::vector<double> DriveSearch::change_towards(const std::vector<double>& y) {

@@ -97,21 +97,14 @@ std::vector<std::size_t> best_order(const std::vector<std::vector<double>>& curv
   return order;
 }
 
-SubsetSums pole_sums(const std::vector<Section>& sections, const std::vector<Hertz>& grid) {
-  std::vector<std::vector<double>> curves(sections.size());
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    for (const Hertz f : grid)
-      curves[i].push_back(-std::log(std::abs(Complex(0.0, f.rad_s().value) - sections[i].poles[0])));
-  }
-  return subset_sums(curves);
-}
-
-SubsetSums zero_sums(const std::vector<Section>& sections, const std::vector<Hertz>& grid) {
+/// Of the zeros (`sign` 1) or the poles (-1) of first-order sections.
+SubsetSums root_sums(const std::vector<Section>& sections, const std::vector<Hertz>& grid,
+                     std::vector<Complex> Section::*roots, double sign) {
   std::vector<std::vector<double>> curves(sections.size());
   for (std::size_t i = 0; i < sections.size(); ++i) {
     for (const Hertz f : grid) {
-      const double size = std::abs(Complex(0.0, f.rad_s().value) - sections[i].zeros[0]);
-      curves[i].push_back(std::log(std::max(size, 1e-300)));
+      const double size = std::abs(Complex(0.0, f.rad_s().value) - (sections[i].*roots)[0]);
+      curves[i].push_back(sign * std::log(std::max(size, 1e-300)));
     }
   }
   return subset_sums(curves);
@@ -152,8 +145,8 @@ std::vector<Section> pairs_along(const std::vector<Section>& sections,
 std::vector<Section> best_pairs(const std::vector<Section>& sections, const std::vector<Hertz>& grid) {
   const std::size_t n = sections.size();
   const std::size_t subsets = std::size_t{1} << n;
-  const SubsetSums poles = pole_sums(sections, grid);
-  const SubsetSums zeros = zero_sums(sections, grid);
+  const SubsetSums poles = root_sums(sections, grid, &Section::poles, -1.0);
+  const SubsetSums zeros = root_sums(sections, grid, &Section::zeros, 1.0);
   std::vector<double> cost(subsets * subsets, INFINITY);
   std::vector<std::uint8_t> from(subsets * subsets, 0);
   cost[0] = 0.0;

@@ -407,8 +407,7 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
   out.left_percent = error_figures(y, record.y).rms_percent;
 
   CsvWriter table;
-  std::vector<double> time(record.size());
-  for (std::size_t i = 0; i < time.size(); ++i) time[i] = record.time_s(i);
+  const std::vector<double> time = record.times_s();
   table.add("time_s", time);
   table.add("u", record.u);
   table.add("measured", record.y);

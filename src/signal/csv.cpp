@@ -63,9 +63,7 @@ std::string_view unquoted_name(std::string_view cell) {
 /// sampling rate.
 bool has_own_header(std::string_view text, bool times_given) {
   while (!text.empty()) {
-    const std::size_t end = text.find('\n');
-    const std::string_view line = trim(text.substr(0, end));
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    const std::string_view line = trim(next_line(text));
     if (line.empty() || line.front() == '#') continue;
     bool time = false;
     bool frequency = false;
@@ -156,9 +154,7 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
   char separator = ',';
   while (!text.empty()) {
     ++line_number;
-    const std::size_t end = text.find('\n');
-    const std::string_view line = trim(text.substr(0, end));
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    const std::string_view line = trim(next_line(text));
     if (line.empty() || line.front() == '#') continue;
     // Spreadsheets of some countries separate by semicolons.
     if (csv.names_.empty()) separator = separator_of(line);

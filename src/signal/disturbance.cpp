@@ -156,4 +156,13 @@ Json Disturbance::to_json() const {
   return out;
 }
 
+std::vector<double> cubic_of(const std::function<double(double)>& f) {
+  const double y[] = {f(0.0), f(1.0 / 3.0), f(2.0 / 3.0), f(1.0)};
+  // Newton's divided differences, multiplied out.
+  const double d1 = y[1] - y[0];
+  const double d2 = y[2] - 2.0 * y[1] + y[0];
+  const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
+  return {y[0], 3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3};
+}
+
 }  // namespace bodesmith

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -99,5 +100,8 @@ inline constexpr Disturbance::Branch branch_of(bool rising) {
 }
 /// "ascending", "descending".
 std::string_view to_string(Disturbance::Branch branch);
+
+/// Coefficients [c0, c1, c2, c3] of the cubic through f at 0, 1/3, 2/3 and 1.
+std::vector<double> cubic_of(const std::function<double(double)>& f);
 
 }  // namespace bodesmith

@@ -119,6 +119,24 @@ void add_band(SignalExtent& out, std::vector<double> u, double step_s, bool firs
 
 }  // namespace
 
+std::vector<double> TimeRecord::times_s() const {
+  std::vector<double> out(size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = time_s(i);
+  return out;
+}
+
+std::vector<double> later_by(const std::vector<double>& v, double samples) {
+  std::vector<double> out(v.size());
+  const double last = static_cast<double>(v.size() - 1);
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double at = std::clamp(static_cast<double>(i) - samples, 0.0, last);
+    const auto k = static_cast<std::size_t>(at);
+    const double fraction = at - static_cast<double>(k);
+    out[i] = fraction == 0.0 ? v[k] : v[k] + fraction * (v[k + 1] - v[k]);
+  }
+  return out;
+}
+
 SignalExtent input_extent(std::span<const TimeRecord> records, double skip_s) {
   SignalExtent out;
   bool first = true;

@@ -20,6 +20,7 @@ struct TimeRecord {
 
   std::size_t size() const { return u.size(); }
   double time_s(std::size_t i) const { return start_s + step_s * static_cast<double>(i); }
+  std::vector<double> times_s() const;  ///< of all samples
   double duration_s() const { return u.empty() ? 0.0 : step_s * static_cast<double>(u.size() - 1); }
 
   /// CSV `time_s,u,y` (y may be absent unless `output_needed`). A gap, a step back or a jitter over 1 % of
@@ -33,6 +34,9 @@ struct TimeRecord {
   /// of four of these numbers must stay far inside a double's range.
   void require_measured_sizes() const;
 };
+
+/// A sampled signal `samples` later (below 0 earlier), which need not be whole: linear between samples, its ends continued.
+std::vector<double> later_by(const std::vector<double>& v, double samples);
 
 /// How far a signal goes: what a model fitted to it has seen.
 struct SignalExtent {

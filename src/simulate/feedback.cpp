@@ -300,7 +300,7 @@ LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, co
   }
   OdeRequest request;
   request.right_limits = controller.period_s > 0.0;
-  for (std::size_t i = 0; i < reference.size(); ++i) request.times.push_back(reference.time_s(i));
+  request.times = reference.times_s();
   request.values = &out.y;
   request.drive = &out.drive;
   solve_ode(system, options, request, out.stats, reference.step_s);

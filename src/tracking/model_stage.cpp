@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/error.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::tracking {
 namespace {
@@ -43,13 +44,6 @@ std::vector<double> settled_output(const hysteresis::Identified& found, std::spa
   }
   if (model->rate_independent()) change_over(every);
   return y;
-}
-
-double rms_percent_of_range(std::span<const double> got, std::span<const double> wanted) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < got.size(); ++i) sum += (got[i] - wanted[i]) * (got[i] - wanted[i]);
-  const auto [low, high] = std::minmax_element(wanted.begin(), wanted.end());
-  return 100.0 * std::sqrt(sum / static_cast<double>(got.size())) / (*high - *low);
 }
 
 /// Twice the area between the branches: above 0 where the descending one lies above the ascending one.
@@ -132,10 +126,10 @@ const IdentifiedStage::Found& IdentifiedStage::found(Hertz operating) const {
   options.skip_s = static_cast<double>(stroke) * record.step_s;
   Found out{type_.identify(std::span(&record, 1), options)};
   const std::vector<double> y = settled_output(out.model, record.u, record.step_s);
-  const auto part = [&](const std::vector<double>& all, std::size_t from, std::size_t count) {
-    return std::span<const double>(all).subspan(from, count);
+  const auto second_stroke = [&](const std::vector<double>& all) {
+    return std::span<const double>(all).subspan(stroke, stroke);
   };
-  out.fit_percent = rms_percent_of_range(part(y, stroke, stroke), part(record.y, stroke, stroke));
+  out.fit_percent = error_figures(second_stroke(y), second_stroke(record.y)).rms_percent;
   return known_.emplace(key, std::move(out)).first->second;
 }
 

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "numeric/parallel_for.hpp"
+#include "signal/statistics.hpp"
 #include "tracking/continuous.hpp"
 #include "tracking/periodic.hpp"
 
@@ -17,12 +18,6 @@ namespace bodesmith::tracking {
 namespace {
 
 constexpr std::size_t kSamples = 1024;  ///< a period, in the time domain
-
-double rms_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(sum / static_cast<double>(a.size()));
-}
 
 /// `count` values evenly from x.
 std::vector<double> thinned(const std::vector<double>& x, std::size_t count) {
@@ -139,7 +134,7 @@ std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& design
     }
     for (std::size_t i = 0; i + 1 < states.size(); ++i) {
       if (designs[i].name != design.made_from) continue;
-      c.lost_rms_percent = 100.0 * rms_difference(compensation, states[i].compensation) / options.alpha;
+      c.lost_rms_percent = 100.0 * error_figures(compensation, states[i].compensation).rms / options.alpha;
     }
     keep_waveforms(waves.reference, last, period, plant.stroke, options.keep_samples, c);
   }

@@ -105,6 +105,23 @@ TEST(Minimax, ConvergesAtAnyRatioAndPower) {
   }
 }
 
+/// Above beta = 2 pairs are better than real roots, however wide the term is.
+TEST(Minimax, PairsConvergeAtAnyRatio) {
+  ApproximationOptions pairs;
+  pairs.real_roots = false;
+  for (const double kappa : {10.0, 1e3, 1e5, 1.5e7}) {
+    for (const double beta : {2.05, 2.5, 2.95}) {
+      for (const int order : {5, 9}) {
+        const double error =
+            value_or_throw(try_approximate_term({1.0, 1.0 / kappa, beta}, pairs, order)).error.everywhere_db;
+        if (error < 1e-11) continue;  // rounding
+        EXPECT_LT(error, minimax_of(kappa, beta, order).error.everywhere_db)
+            << kappa << " " << beta << " " << order;
+      }
+    }
+  }
+}
+
 TEST(Minimax, FollowsTheLimitLaw) {
   int seen = 0;
   for (const double kappa : {1.2, 3.0, 10.0, 1e3, 1e4}) {

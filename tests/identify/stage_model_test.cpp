@@ -19,8 +19,8 @@ namespace {
 using chain::make_block;
 
 TEST(StageModel, DelayedIsLinearBetweenSamplesAndHeldBefore) {
-  EXPECT_EQ(delayed({1.0, 3.0, 5.0}, 1.0, 0.5), (std::vector<double>{1.0, 2.0, 4.0}));
-  EXPECT_EQ(delayed({1.0, 3.0, 5.0}, 1.0, -1.0), (std::vector<double>{3.0, 5.0, 5.0}));
+  EXPECT_EQ(later_by({1.0, 3.0, 5.0}, 0.5), (std::vector<double>{1.0, 2.0, 4.0}));
+  EXPECT_EQ(later_by({1.0, 3.0, 5.0}, -1.0), (std::vector<double>{3.0, 5.0, 5.0}));
 }
 
 TEST(StageFit, FindsTheDelayOfALine) {
@@ -28,7 +28,7 @@ TEST(StageFit, FindsTheDelayOfALine) {
   record.file = "record";
   record.step_s = 1e-3;
   for (int i = 0; i < 2000; ++i) record.u.push_back(std::sin(0.05 * i));
-  record.y = delayed(record.u, record.step_s, 2.5e-3);
+  record.y = later_by(record.u, 2.5e-3 / record.step_s);
   for (double& y : record.y) y = 3.0 * y - 1.0;
   StageFitOptions options;
   options.find_delay = true;
@@ -47,7 +47,7 @@ TEST(StageFit, DelaysUpToEightSamplesAndNoneAreFound) {
   hysteresis::IdentifyOptions options;
   options.skip_s = 0.1;
   for (const double delay_s : {0.0, 0.4e-3, 3.7e-3, 7.6e-3}) {
-    record.y = delayed(record.u, record.step_s, delay_s);
+    record.y = later_by(record.u, delay_s / record.step_s);
     EXPECT_NEAR(best_delay({&record, 1}, options, true), delay_s, 5e-5);
   }
 }
@@ -79,7 +79,7 @@ TimeRecord disturbed_record(double drift, double delay_s) {
     out.u.push_back(u);
     y.push_back(narrow + wide + (i < 400 ? drift * (1.0 - i / 400.0) : 0.0) + 1e-3 * std::sin(11.0 * i * i));
   }
-  out.y = delayed(y, out.step_s, delay_s);
+  out.y = later_by(y, delay_s / out.step_s);
   return out;
 }
 

@@ -29,9 +29,7 @@ using invert::Compensation;
 
 std::string drive_csv(const TimeRecord& reference, const Compensation& drive) {
   CsvWriter csv;
-  std::vector<double> time(reference.size());
-  for (std::size_t i = 0; i < time.size(); ++i) time[i] = reference.time_s(i);
-  csv.add(column::time_s, std::move(time));
+  csv.add(column::time_s, reference.times_s());
   csv.add(column::reference, reference.u);
   csv.add(column::input, drive.drive);
   return csv.text();

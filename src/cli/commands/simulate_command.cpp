@@ -104,13 +104,12 @@ std::optional<simulate::LoopSetup> with_drive(std::optional<simulate::LoopSetup>
 }
 
 /// The plots that --report asks for.
-std::string study_report(const CommandLine& line, const TimeRecord& record, const std::vector<double>& time,
-                         const SimulatedOutput& run, const simulate::SignalStudy& study,
-                         const std::string& name) {
+std::string study_report(const CommandLine& line, const TimeRecord& record, const SimulatedOutput& run,
+                         const simulate::SignalStudy& study, const std::string& name) {
   SimulatedRun picture;
   picture.title = line.files()[0];
   picture.input = name;
-  picture.time_s = time;
+  picture.time_s = record.times_s();
   picture.in = record.u;
   picture.y = run.y;
   picture.drive = run.drive;
@@ -137,8 +136,8 @@ std::string study_report(const CommandLine& line, const TimeRecord& record, cons
 }
 
 /// What --spectra, --loops and --report add.
-void add_study(const CommandLine& line, const SimulationInput& input, const std::vector<double>& time,
-               const SimulatedOutput& run, OutputSet& out, Json& json, std::string& text) {
+void add_study(const CommandLine& line, const SimulationInput& input, const SimulatedOutput& run,
+               OutputSet& out, Json& json, std::string& text) {
   const std::string name = run.drive.empty() ? "u" : "r";
   const TimeRecord& record = input.record;
   if (record.size() < 2) line.fail("a record of one sample has no spectrum and no loop");
@@ -150,7 +149,7 @@ void add_study(const CommandLine& line, const SimulationInput& input, const std:
                            : "the input does not repeat: one windowed spectrum, one loop");
   }
   if (line.has("report")) {
-    out.add(line.get<std::string>("report"), study_report(line, record, time, run, study, name));
+    out.add(line.get<std::string>("report"), study_report(line, record, run, study, name));
   }
   if (line.has("spectra")) out.add(line.get<std::string>("spectra"), spectra_csv(study, name));
   if (line.has("loops")) out.add(line.get<std::string>("loops"), loops_csv(study, name));
@@ -166,10 +165,9 @@ void add_study(const CommandLine& line, const SimulationInput& input, const std:
       rounded_text(study.loops.back().height_percent), study.repetition ? "last period" : "whole record");
 }
 
-std::string output_csv(const TimeRecord& record, const std::vector<double>& time, const SimulatedOutput& run,
-                       bool loop) {
+std::string output_csv(const TimeRecord& record, const SimulatedOutput& run, bool loop) {
   CsvWriter csv;
-  csv.add(column::time_s, time);
+  csv.add(column::time_s, record.times_s());
   csv.add(loop ? column::reference : column::input, record.u);
   if (loop) csv.add(column::input, run.drive);
   csv.add(column::output, run.y);
@@ -225,10 +223,8 @@ int simulate_file(const CommandLine& line, const chain::Chain& model,
   const double compute_s = watch.seconds();
   for (const std::string& text : run.notes) note(text);
 
-  std::vector<double> time(record.size());
-  for (std::size_t i = 0; i < time.size(); ++i) time[i] = record.time_s(i);
   OutputSet out;
-  out.add(line.output_path(), output_csv(record, time, run, loop.has_value()));
+  out.add(line.output_path(), output_csv(record, run, loop.has_value()));
 
   Json json = json_header("simulate_summary", from);
   json["timing_s"] = {{"compute", compute_s}, {"engine", run.stats.compute_s}};
@@ -243,7 +239,7 @@ int simulate_file(const CommandLine& line, const chain::Chain& model,
   if (!record.y.empty())
     text += compare_signals("against_record", "against the record's y", run.y, record.y, json);
   if (line.has("spectra") || line.has("loops") || line.has("report"))
-    add_study(line, input, time, run, out, json, text);
+    add_study(line, input, run, out, json, text);
   out.commit();
   return print_summary(line, text, json);
 }

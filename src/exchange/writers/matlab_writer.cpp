@@ -10,6 +10,7 @@
 #include "base/hertz_values.hpp"
 #include "base/temporary.hpp"
 #include "exchange/writer.hpp"
+#include "lti/section_making.hpp"
 
 namespace bodesmith::exchange {
 namespace {
@@ -62,9 +63,7 @@ class MatlabWriter : public Writer {
     MatOutput out;
     std::vector<std::string> said;
     if (from.record) {
-      std::vector<double> time(from.record->size());
-      for (std::size_t i = 0; i < time.size(); ++i) time[i] = from.record->time_s(i);
-      out.add("t", std::move(time));
+      out.add("t", from.record->times_s());
       out.add("u", from.record->u);
       if (!from.record->y.empty()) out.add("y", from.record->y);
       said.push_back("t in s, u" + std::string(from.record->y.empty() ? "" : ", y"));
@@ -83,17 +82,10 @@ class MatlabWriter : public Writer {
 
  private:
   static void add_sections(const Sections& sections, MatOutput& out) {
-    std::vector<Complex> zeros;
-    std::vector<Complex> poles;
-    double gain = sections.gain;
-    for (const Section& section : sections.sections) {
-      zeros.insert(zeros.end(), section.zeros.begin(), section.zeros.end());
-      poles.insert(poles.end(), section.poles.begin(), section.poles.end());
-      gain *= section.gain;
-    }
-    out.add("z", zeros);
-    out.add("p", poles);
-    out.add("k", std::vector<double>{gain});
+    const PooledRoots roots = pooled_roots(sections);
+    out.add("z", roots.zeros);
+    out.add("p", roots.poles);
+    out.add("k", std::vector<double>{roots.gain});
     out.add("delay_s", std::vector<double>{sections.delay_s});
   }
 };

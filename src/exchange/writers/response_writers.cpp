@@ -25,9 +25,7 @@ class OwnCsvWriter : public Writer {
   Written write(const Exportable& from, const ExportOptions&) const override {
     CsvWriter csv;
     if (from.record) {
-      std::vector<double> time(from.record->size());
-      for (std::size_t i = 0; i < time.size(); ++i) time[i] = from.record->time_s(i);
-      csv.add(column::time_s, std::move(time));
+      csv.add(column::time_s, from.record->times_s());
       csv.add(column::input, from.record->u);
       if (!from.record->y.empty()) csv.add(column::output, from.record->y);
       return {csv.text(), {}};

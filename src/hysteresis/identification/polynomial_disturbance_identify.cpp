@@ -218,17 +218,6 @@ std::vector<ParameterSpec> disturbance_parameters(std::vector<ParameterSpec> own
   return own;
 }
 
-/// Of a branch that is a cubic: through four of its values.
-std::vector<double> branch_cubic(const PolynomialDisturbance& model, bool rising) {
-  double y[4];
-  for (int i = 0; i < 4; ++i) y[i] = model.plain(rising, i / 3.0);
-  // Newton's divided differences at 0, 1/3, 2/3, 1, multiplied out.
-  const double d1 = y[1] - y[0];
-  const double d2 = y[2] - 2.0 * y[1] + y[0];
-  const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
-  return {y[0], 3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3};
-}
-
 class DisturbanceType : public ShapedModelType<PolynomialDisturbance, PolynomialOperator, PolynomialInverse> {
  public:
   using ShapedModelType::ShapedModelType;
@@ -240,8 +229,8 @@ class DisturbanceType : public ShapedModelType<PolynomialDisturbance, Polynomial
     out.curve = [model](bool rising, double u) { return model.plain(rising, u); };
     out.switch_delay_s = model.switch_delay_s;
     if (model.ascending.is_sine) return out;
-    out.rising = branch_cubic(model, true);
-    out.falling = branch_cubic(model, false);
+    out.rising = cubic_of([&](double u) { return model.plain(true, u); });
+    out.falling = cubic_of([&](double u) { return model.plain(false, u); });
     return out;
   }
 };

@@ -42,15 +42,10 @@ Block loop_of(const generator::DisturbanceCircuit& controller, const Disturbance
     // A cubic through four of its values: what the powers, sums and gains with their parts make.
     built.set_rate(operating);
     const double gain = built.rate_gain(which);
-    double y[4];
-    for (int i = 0; i < 4; ++i) y[i] = built.subtracted(which, i / 3.0) / gain;  // of the stroke
-    const double d1 = y[1] - y[0];
-    const double d2 = y[2] - 2.0 * y[1] + y[0];
-    const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
-    out.set(list,
-            std::vector<double>{(3.0 * d1 - 1.5 * d2 + d3) / alpha, (4.5 * d2 - 4.5 * d3) / (alpha * alpha),
-                                4.5 * d3 / (alpha * alpha * alpha)});
-    out.set(constant, y[0] * gain);
+    const std::vector<double> c =
+        cubic_of([&](double x) { return built.subtracted(which, x) / gain; });  // of the stroke
+    out.set(list, std::vector<double>{c[1] / alpha, c[2] / (alpha * alpha), c[3] / (alpha * alpha * alpha)});
+    out.set(constant, c[0] * gain);
     std::vector<double> gains;
     for (const Hertz f : disturbance.rate.frequency) {
       built.set_rate(f);

@@ -139,16 +139,12 @@ void drop_stale_work_folders(const fs::path& where) {
   for (fs::directory_iterator it(where, ec), end; !ec && it != end; it.increment(ec)) {
     const std::string name = it->path().filename().string();
     if (!name.starts_with(kWorkName)) continue;
-    const std::string digits =
-        name.substr(kWorkName.size(), name.find('-', kWorkName.size()) - kWorkName.size());
-    if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos)
-      continue;
+    const auto digits = name.substr(kWorkName.size(), name.find('-', kWorkName.size()) - kWorkName.size());
     struct stat about {};
     if (::lstat(it->path().c_str(), &about) != 0 || !S_ISDIR(about.st_mode) || about.st_uid != ::geteuid())
       continue;
     std::error_code ignored;
-    if (is_running(static_cast<pid_t>(std::stol(digits))) ||
-        now - fs::last_write_time(it->path(), ignored) < std::chrono::minutes(1))
+    if (!is_ended_process(digits) || now - fs::last_write_time(it->path(), ignored) < std::chrono::minutes(1))
       continue;
     fs::remove_all(it->path(), ignored);
   }

@@ -28,9 +28,7 @@ class CitiReader {
     std::string_view text = source_.text;
     while (!text.empty() && packages_ < 2) {
       ++line_;
-      const std::size_t end = text.find('\n');
-      const std::string_view line = trim(text.substr(0, end));
-      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      const std::string_view line = trim(next_line(text));
       if (!line.empty() && line.front() != '!') take(line);
     }
     finish();

@@ -68,9 +68,7 @@ class LayoutReader {
     std::string_view text = source_.text;
     bool in_data = layout_.data_below.empty();
     for (int line_number = 1; !text.empty(); ++line_number) {
-      const std::size_t end = text.find('\n');
-      const std::string_view line = text.substr(0, end);
-      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      const std::string_view line = next_line(text);
       const std::vector<std::string_view> cells = split_cells(line, ',');
       const bool marked = !layout_.data_below.empty() && line.starts_with(layout_.data_below);
       if (!in_data || layout_.first_column > 0) take_keys(cells, marked);

@@ -36,9 +36,7 @@ class LtspiceReader {
     std::string_view text = source_.text;
     while (!text.empty()) {
       ++line_;
-      const std::size_t end = text.find('\n');
-      const std::string_view line = trim(text.substr(0, end));
-      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      const std::string_view line = trim(next_line(text));
       if (line.empty()) continue;
       if (table_.names.empty()) {
         names(line);

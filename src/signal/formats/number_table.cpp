@@ -161,10 +161,7 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
   const bool one_behind_empty = text.starts_with("LabVIEW Measurement");
   for (std::size_t seen = 0; !text.empty() && seen < line_limit; ++seen) {
     ++number;
-    const std::size_t end = text.find('\n');
-    const std::string_view whole = text.substr(0, end);
-    const std::string_view line = trim(whole);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    const std::string_view whole = next_line(text), line = trim(whole);
     const bool started = !table.columns.empty();
     if (started && is_closing(line) && trim(text).empty()) break;
     if (line.empty() || is_comment(line)) {

@@ -99,10 +99,7 @@ class TouchstoneReader {
     std::string_view text = source_.text;
     while (!text.empty() && !done_) {
       ++line_;
-      const std::size_t end = text.find('\n');
-      std::string_view line = text.substr(0, end);
-      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-      line = trim(line.substr(0, line.find('!')));
+      const std::string_view whole = next_line(text), line = trim(whole.substr(0, whole.find('!')));
       if (!line.empty()) take(line);
     }
     finish();
@@ -362,10 +359,7 @@ class Touchstone : public Format {
     std::string_view text = source.text;
     bool options = false;
     for (int line_number = 0; line_number < 200 && !text.empty(); ++line_number) {
-      const std::size_t end = text.find('\n');
-      std::string_view line = text.substr(0, end);
-      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-      line = trim(line.substr(0, line.find('!')));
+      const std::string_view whole = next_line(text), line = trim(whole.substr(0, whole.find('!')));
       if (line.empty()) continue;
       if (upper_case(line.substr(0, 9)) == "[VERSION]") return true;
       if (line.front() == '#') {

@@ -156,7 +156,7 @@ ChainRun::ChainRun(const chain::Chain& chain, const TimeRecord& input, const Opt
   }
   record_.y.clear();
   if (record_.u.size() == 1 || right_limits_) record_.u.push_back(record_.u.back());  // the last edge shows
-  for (std::size_t i = 0; i < record_.size(); ++i) times_.push_back(record_.time_s(i));
+  times_ = record_.times_s();
   signal_ = DenseSignal::from_record(record_);
   rest_ = record_.u.front();
   signal_.before = equilibrium_ ? rest_ : 0.0;

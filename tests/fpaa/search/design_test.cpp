@@ -196,7 +196,13 @@ TEST(DesignTarget, ClocksWithinTheBandAreSeenAtTheirMultiples) {
   const double width = 200.0 / (2.0 * std::numbers::pi);
   EXPECT_NEAR(more.grid[target.grid.size()].hz().value, 20e3 - 10.0 * width, 1e-6);
   EXPECT_NEAR(more.grid.back().hz().value, 40e3 + 10.0 * width, 1e-6);
-  for (std::size_t k = target.grid.size(); k < more.grid.size(); ++k) EXPECT_EQ(more.weight[k], 1.0);
+  // None counts for more than what counts most already.
+  const double most = *std::ranges::max_element(target.reciprocal);
+  for (std::size_t k = target.grid.size(); k < more.grid.size(); ++k) {
+    EXPECT_EQ(more.weight[k], 1.0);
+    EXPECT_NEAR(more.reciprocal[k] / std::min(1.0 / error_reference(sections, more.grid[k]), most), 1.0,
+                1e-12);
+  }
 }
 
 TEST(DesignScore, ImagesOfADesignAreThoseOfItsPlan) {

@@ -42,8 +42,8 @@ Block loop_of(const generator::DisturbanceCircuit& controller, const Disturbance
     // A cubic through four of its values: what the powers, sums and gains with their parts make.
     built.set_rate(operating);
     const double gain = built.rate_gain(which);
-    const std::vector<double> c =
-        cubic_of([&](double x) { return built.subtracted(which, x) / gain; });  // of the stroke
+    const std::vector<double> c = cubic_of(
+        [&, which = which](double x) { return built.subtracted(which, x) / gain; });  // of the stroke
     out.set(list, std::vector<double>{c[1] / alpha, c[2] / (alpha * alpha), c[3] / (alpha * alpha * alpha)});
     out.set(constant, c[0] * gain);
     std::vector<double> gains;

@@ -111,7 +111,9 @@ TEST(StartBuilder, StartsAreEvenOrNearlyASmallerModel) {
     StartBuilder({.low = low, .high = high, .real = real, .random = 0}, keep).build(4, 4, RadPerSecond{1.0});
     const double farthest = real ? 0.3 : std::log(1.5);
     int even = 0;
-    for (const auto& [model, theta] : starts) {
+    for (const auto& start : starts) {
+      const RootModel& model = start.first;
+      const Eigen::VectorXd& theta = start.second;
       if (model.zeros() != 4) continue;
       const auto distance = [&](const std::function<double(double)>& log_gain_at) {
         double most = 0.0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "fpaa/plan/drawn_board.hpp"
 #include "lti/frequency_grid.hpp"
@@ -152,17 +153,24 @@ PartRank rank_of(std::size_t p, const Design& design, const Options& options, co
   return out;
 }
 
-/// Every part at its limit, at each frequency in the direction that its sensitivity says there, as a judge sees it.
+/// Every part at its limit, in the directions that its sensitivities have at one frequency or another, over all frequencies: next to a
+/// sharp root the circuit that is furthest off at a frequency is one that moves another there. As a judge sees it.
 double worst_case_db(const Design& design, const Options& options, const Sensitivity& s, const Judge& judge) {
   const std::vector<double> nominal = design.nominal_values();
-  std::vector<double> values = nominal;
-  double out = 0.0;
+  std::set<std::vector<double>> corners;
   for (std::size_t i = 0; i < options.grid.size(); ++i) {
     for (const double direction : {1.0, -1.0}) {
+      std::vector<double> values = nominal;
       for (std::size_t p = 0; p < values.size(); ++p) {
         const double limit = std::copysign(0.01 * s.limit_percent[p], direction * s.db_per_percent[p][i]);
-        values[p] = nominal[p] * std::max(1.0 + limit, 1e-3);
+        values[p] *= std::max(1.0 + limit, 1e-3);
       }
+      corners.insert(std::move(values));
+    }
+  }
+  double out = 0.0;
+  for (const std::vector<double>& values : corners) {
+    for (std::size_t i = 0; i < options.grid.size(); ++i) {
       const Hertz f = options.grid[i];
       const Complex ratio = design.response(f, values) / design.reference(f);
       const double db = std::clamp(to_decibel(std::abs(ratio)), -kMaxDeviationDb, kMaxDeviationDb);

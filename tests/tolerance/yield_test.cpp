@@ -203,6 +203,20 @@ TEST(Yield, NoDrawOfANotchIsWorseThanAllPartsAtTheirLimits) {
   EXPECT_GT(drawn.worst_db.max, 0.3 * drawn.worst_case_db);
 }
 
+// At the peak of a pole-zero pair no part changes anything to the first order; what is next to it moves there.
+TEST(Yield, NoDrawOfASharpPairIsWorseThanAllPartsAtTheirLimits) {
+  constexpr double kPeak = 6283.0, kHalfWidth = 60.0;
+  Sections sharp;
+  sharp.sections.push_back({1.0,
+                            {{-kHalfWidth / 3, kPeak}, {-kHalfWidth / 3, -kPeak}},
+                            {{-kHalfWidth, kPeak}, {-kHalfWidth, -kPeak}}});
+  sharp.error = Sections::Error{{Hertz{500.0}, Hertz{2000.0}}, 0.0, 0.0, 0.0};
+  const Design design = design_of_circuit(synthesis::realise(sharp).circuit, sharp, "peak", OpAmps::ideal);
+  const Result drawn = run_monte_carlo(design, options_of(design, 2000), Team());
+  EXPECT_LE(drawn.worst_db.max, drawn.worst_case_db);
+  EXPECT_GT(drawn.worst_db.max, 0.5 * drawn.worst_case_db);
+}
+
 TEST(Yield, WithoutTolerancesItSaysWhatJudgeResponsesSays) {
   const synthesis::Circuit circuit = synthesis::realise(notch()).circuit;
   const Design design = design_of_circuit(circuit, notch(), "notch", OpAmps::as_built);

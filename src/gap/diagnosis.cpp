@@ -21,11 +21,9 @@ std::string to_string(Verdict verdict) {
   return kWords.at(static_cast<std::size_t>(verdict));
 }
 
-Verdict verdict_of(const SearchResult& result, double train_rms) {
+Verdict verdict_of(const SearchResult& result) {
   if (result.stopped) return Verdict::interrupted;
-  const bool above_floor =
-      result.floor.source == NoiseFloor::Source::periods && train_rms > kOverFloor * result.floor.rms;
-  const bool left = above_floor || !result.structure.empty();
+  const bool left = result.train_rms > result.floor.most_noise || !result.structure.empty();
   if (result.steps.empty()) return left ? Verdict::unexplained : Verdict::nothing_missing;
   return left ? Verdict::partly_explained : Verdict::explained;
 }
@@ -54,8 +52,8 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, co
       result.residuals.size() > 0 ? std::sqrt(correlation_time(to_vector(result.residuals))) : 1.0;
   const auto lines = model.line_blocks();
   std::vector<std::vector<FoundParameter>> all;
-  std::size_t at = model.free_count();
   for (const auto& term : model.terms()) {
+    std::size_t at = model.first_unknown_of(all.size());
     auto& parameters = all.emplace_back();
     for (const auto& u : term.unknowns) {
       const double sigma = eigen_index(at) < result.deviation.size()
@@ -78,14 +76,13 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, co
 /// Parameters whose interval is wider than the value itself.
 std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
   std::vector<OpenParameter> open;
-  std::size_t at = d.search.final.free_count();
-  for (std::size_t k = 0; k < d.search.final.terms().size() && k < d.steps.size(); ++k) {
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
     const auto& unknowns = d.search.final.terms()[k].unknowns;
     // Of many unknowns (weights of plays) each alone may be open without the effect being so.
-    for (std::size_t j = 0; j < unknowns.size(); ++j, ++at) {
+    for (std::size_t j = 0; j < unknowns.size() && unknowns.size() <= kFew; ++j) {
       const auto& p = d.steps[k].parameters[j];
-      if (unknowns.size() <= kFew && p.high - p.low > std::abs(p.value))
-        open.push_back({at, p.name, p.low, p.high});
+      if (p.high - p.low > std::abs(p.value))
+        open.push_back({d.search.final.first_unknown_of(k) + j, p.name, p.low, p.high});
     }
   }
   return open;
@@ -146,12 +143,10 @@ Diagnosis diagnose(const chain::Chain& base, const Study& given, const SearchOpt
   d.where = meter.where(initial);
   d.remaining_where = meter.where(final);
   d.constant_offsets = constant_offsets(meter, final, study);
-  d.verdict = verdict_of(d.search, d.search.train_rms);
+  d.verdict = verdict_of(d.search);
   d.holdout_disagrees = disagrees(d);
-  const bool more_than_noise =
-      d.floor.source == NoiseFloor::Source::high_frequency && d.final.train_rms > d.floor.most_noise;
-  // What is claimed of the training records and does not hold elsewhere, or leaves more than noise, is not so.
-  if (d.holdout_disagrees || more_than_noise) {
+  // What is claimed of the training records and does not hold elsewhere is not so.
+  if (d.holdout_disagrees) {
     if (d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
     if (d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
   }

@@ -28,9 +28,9 @@ enum class Verdict {
 /// "explained", "partly_explained", "nothing_missing", "unexplained" or "interrupted", as in diagnosis.json.
 std::string to_string(Verdict verdict);
 
-/// What a search's outcome amounts to. With a floor from periods, what is left counts as something missing
-/// when it is more than kOverFloor times the floor; in any case when signs of structure are left.
-Verdict verdict_of(const SearchResult& result, double train_rms);
+/// What a search's outcome amounts to. What is left counts as something missing when it is more than noise (NoiseFloor::most_noise), and in
+/// any case when signs of structure are left.
+Verdict verdict_of(const SearchResult& result);
 
 /// A value that a term's fit found, and twice its standard deviation to both sides, the residual's colour
 /// counted.

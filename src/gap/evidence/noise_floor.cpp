@@ -45,6 +45,7 @@ NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t p
   const double variance = spread / static_cast<double>(period * (periods - 1));
   floor.source = NoiseFloor::Source::periods;
   floor.rms = std::sqrt(variance);
+  floor.most_noise = kOverFloor * floor.rms;
   floor.period = period;
   floor.periods = static_cast<int>(periods);
   const auto bins = half_spectrum(average);

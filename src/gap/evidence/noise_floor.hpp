@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,9 @@ struct NoiseFloor {
   enum class Source { periods, high_frequency, unknown };
   double rms = 0.0;
   Source source = Source::unknown;
-  /// high_frequency: the rms that noise of the longest memory (kLongestNoise) has with this level there, and kOverFloor.
-  double most_noise = 0.0;
+  /// More than this rms is more than noise: kOverFloor times what noise of the longest memory (kLongestNoise) has with this level where it
+  /// is of high frequencies, times the floor itself else.
+  double most_noise = std::numeric_limits<double>::infinity();
   std::size_t period = 0;  ///< samples; 0: of a response
   int periods = 0;
   /// rms of the part that repeats (periods only): the gap proper; of its harmonics, odd and even ones.

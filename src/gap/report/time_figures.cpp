@@ -71,41 +71,38 @@ Series curve(std::string name, const std::vector<double>& x, const std::vector<d
   return c;
 }
 
+Plot plot_of(const char* title, const char* x, const char* y, std::vector<Series> series) {
+  Plot plot;
+  plot.title = title;
+  plot.x.label = x;
+  plot.y.label = y;
+  plot.series = std::move(series);
+  return plot;
+}
+
+/// What both models leave over some signal.
+Plot residuals_over(const BeforeAndAfter& s, const std::vector<double>& x, std::size_t to, const char* title,
+                    const char* label) {
+  return plot_of(title, label, "measured minus model",
+                 {curve("base model", x, s.residual_before, s.first, to, kBase),
+                  curve("extended model", x, s.residual_after, s.first, to, kExtended)});
+}
+
 Plot zoomed_output(const BeforeAndAfter& s) {
   const std::size_t width = (s.record.size() - s.first) / kBins;
   const std::size_t from = worst_stretch(s, width);
   const std::size_t to = from + width;
-  Plot plot;
-  plot.title = "Where the base model is worst";
-  plot.x.label = "time, s";
-  plot.y.label = "output y";
-  plot.series = {curve("measured", s.time, s.record.y, from, to, kMeasured),
-                 curve("base model", s.time, s.before, from, to, kBase),
-                 curve("extended model", s.time, s.after, from, to, kExtended)};
+  Plot plot = plot_of("Where the base model is worst", "time, s", "output y",
+                      {curve("measured", s.time, s.record.y, from, to, kMeasured),
+                       curve("base model", s.time, s.before, from, to, kBase),
+                       curve("extended model", s.time, s.after, from, to, kExtended)});
   plot.series[1].style = Series::Style::dashed;
-  return plot;
-}
-
-Plot residual_over_time(const BeforeAndAfter& s) {
-  const std::size_t n = s.record.size();
-  Plot plot;
-  plot.title = "Measured minus model";
-  plot.x.label = "time, s";
-  plot.y.label = "residual";
-  plot.height = 240;
-  plot.series = {curve("base model", s.time, s.residual_before, s.first, n, kBase),
-                 curve("extended model", s.time, s.residual_after, s.first, n, kExtended)};
   return plot;
 }
 
 Plot residual_over_input(const BeforeAndAfter& s) {
   const std::size_t to = std::min(s.record.size(), s.first + report::kMostLivePoints);
-  Plot plot;
-  plot.title = "Residual over the input";
-  plot.x.label = "input u";
-  plot.y.label = "measured minus model";
-  plot.series = {curve("base model", s.record.u, s.residual_before, s.first, to, kBase),
-                 curve("extended model", s.record.u, s.residual_after, s.first, to, kExtended)};
+  Plot plot = residuals_over(s, s.record.u, to, "Residual over the input", "input u");
   for (Series& one : plot.series) one.width = 0.8;
   return plot;
 }
@@ -124,14 +121,11 @@ Series band_spectrum(std::string name, const std::vector<double>& e, double step
 Plot residual_spectrum(const BeforeAndAfter& s, const NoiseFloor& floor) {
   const std::size_t n = s.record.size();
   const double step_s = s.record.step_s;
-  Plot plot;
-  plot.title = "Spectrum of the residual";
-  plot.x.label = "frequency, Hz";
-  plot.x.logarithmic = true;
-  plot.y.label = "per root hertz";
-  plot.y.logarithmic = true;
-  plot.series = {band_spectrum("base model", slice(s.residual_before, s.first, n), step_s, kBase),
-                 band_spectrum("extended model", slice(s.residual_after, s.first, n), step_s, kExtended)};
+  Plot plot =
+      plot_of("Spectrum of the residual", "frequency, Hz", "per root hertz",
+              {band_spectrum("base model", slice(s.residual_before, s.first, n), step_s, kBase),
+               band_spectrum("extended model", slice(s.residual_after, s.first, n), step_s, kExtended)});
+  plot.x.logarithmic = plot.y.logarithmic = true;
   if (floor.source != NoiseFloor::Source::unknown && floor.rms > 0.0) {
     Series line = series_of("noise floor, were it white", kFloor);
     line.style = Series::Style::dashed;
@@ -147,8 +141,9 @@ Plot residual_spectrum(const BeforeAndAfter& s, const NoiseFloor& floor) {
 
 void add_record_figures(report::Page& page, const Diagnosis& d, const TimeExperiment& experiment) {
   const auto s = simulate_both(d, experiment);
-  page.plots({zoomed_output(s), residual_over_time(s)},
-             fmt::format("Held-out record {}: output and residual, before and after.", s.record.file));
+  page.plots(
+      {zoomed_output(s), residuals_over(s, s.time, s.record.size(), "Measured minus model", "time, s")},
+      fmt::format("Held-out record {}: output and residual, before and after.", s.record.file));
   page.plots({residual_over_input(s)},
              "Loops: memory opens them, a static curve bends them, noise fills a band.");
   page.plots({residual_spectrum(s, d.floor)}, "Before and after, held-out record.");

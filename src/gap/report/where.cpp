@@ -79,21 +79,8 @@ void keep_telling(std::vector<Cell>& cells) {
   });
 }
 
-Bins time_bins(const std::vector<double>& e, const TimeRecord& record, std::size_t from) {
-  Bins bins(kBins);
-  for (std::size_t b = 0; b < bins.size(); ++b) {
-    const std::size_t i = b * e.size() / bins.size();
-    const std::size_t j = (b + 1) * e.size() / bins.size();
-    bins[b].from = record.time_s(from + i);
-    bins[b].to = record.time_s(from + j - 1);
-    bins[b].extent = static_cast<double>(j - i);
-    for (std::size_t k = i; k < j; ++k) bins[b].energy += e[k] * e[k];
-  }
-  return bins;
-}
-
-/// Of input or output; empty when it does not move.
-Bins amplitude_bins(const std::vector<double>& e, std::span<const double> u) {
+/// Of input, output or time; empty when it does not move.
+Bins even_bins(const std::vector<double>& e, std::span<const double> u) {
   const auto [low, high] = std::minmax_element(u.begin(), u.end());
   const double span = *high - *low;
   if (!(span > 0.0)) return {};
@@ -171,13 +158,14 @@ std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& res
   const std::vector<double> e(residual.begin() + static_cast<std::ptrdiff_t>(from), residual.end());
   const auto u = std::span(record.u).subspan(from, n - from);
   cells.push_back(densest(Axis::frequency, frequency_bins(e, record.step_s)));
-  cells.push_back(densest(Axis::time, time_bins(e, record, from)));
-  if (const auto inputs = amplitude_bins(e, u); !inputs.empty())
-    cells.push_back(densest(Axis::input, inputs));
-  if (record.y.size() >= n) {
-    const auto outputs = amplitude_bins(e, std::span(record.y).subspan(from, n - from));
-    if (!outputs.empty()) cells.push_back(densest(Axis::output, outputs));
-  }
+  std::vector<double> times;
+  for (std::size_t i = from; i < n; ++i) times.push_back(record.time_s(i));
+  const auto add = [&](Axis axis, std::span<const double> signal) {
+    if (const auto bins = even_bins(e, signal); !bins.empty()) cells.push_back(densest(axis, bins));
+  };
+  add(Axis::time, times);
+  add(Axis::input, u);
+  if (record.y.size() >= n) add(Axis::output, std::span(record.y).subspan(from, n - from));
   cells.push_back(densest(Axis::branch, branch_bins(e, u)));
   if (period > 0 && e.size() >= 2 * period)
     cells.push_back(densest(Axis::harmonic, harmonic_bins(e, period)));

@@ -256,12 +256,10 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam, Excha
   for (auto& pair : best_pairs(setting, base.records, base.first)) {
     if (options.is_late()) return;
     // With one more name than the best set has it was looked at.
-    const auto names = names_of(pair.second.model);
+    const auto names = names_of(pair.model);
     const auto best = names_of(beam.best.model);
     if (!best.empty() && std::includes(names.begin(), names.end(), best.begin(), best.end())) continue;
-    PlacedSet set = base.best;
-    set = with_candidate(set, pair.first, base.first);
-    set = with_candidate(set, pair.second, {pair.second});
+    PlacedSet set = with_candidate(with_candidate(base.best, pair, base.first), pair, {pair});
     Beam other = base;
     set = settled(setting, other, std::move(set));
     // The best pair may hold one name too many or another's; of the others those that are better than what stands.

@@ -89,20 +89,17 @@ bool could_be_fewer(const Model& model) {
                                          [](const Term& term) { return term.unknowns.size() > kFew; });
 }
 
-std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
-                                                  const std::vector<Ranked>& first) {
-  const auto firsts = firsts_among(first);
-  const auto seconds = second_names(setting, records, firsts);
+std::vector<Ranked> best_pairs(const SearchSetting& setting, const SearchRecords& records,
+                               const std::vector<Ranked>& first) {
+  const auto seconds = second_names(setting, records, firsts_among(first));
   if (seconds.empty() || setting.options.is_late()) return {};
-  std::vector<std::pair<Ranked, Ranked>> pairs;
+  std::vector<Ranked> pairs;
   std::set<std::set<const Effect*>> names;
-  for (const auto& r : fit_chosen(setting, records, seconds)) {
+  for (auto& r : fit_chosen(setting, records, seconds)) {
     if (pairs.size() >= kFew) break;
     if (!std::isfinite(r.log_evidence) || r.outcome == CandidateOutcome::no_name) continue;
-    const auto* own = r.model.terms()[r.model.terms().size() - 2].effect;
-    const auto alone =
-        std::find_if(firsts.begin(), firsts.end(), [&](const Ranked& f) { return f.effect == own; });
-    if (names.insert({own, r.effect}).second) pairs.emplace_back(*alone, r);
+    const auto& terms = r.model.terms();
+    if (names.insert({terms[terms.size() - 2].effect, r.effect}).second) pairs.push_back(std::move(r));
   }
   return pairs;
 }

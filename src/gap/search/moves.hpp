@@ -1,6 +1,5 @@
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "gap/search/records.hpp"
@@ -22,9 +21,9 @@ const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records
 /// More than two names, or one of many unknowns: two may do as well.
 bool could_be_fewer(const Model& model);
 
-/// Two effects that hide each other: of what each effect promises alongside each of the first names, the best fitted. Greatest
-/// evidence first, each two names once.
-std::vector<std::pair<Ranked, Ranked>> best_pairs(const SearchSetting& setting, const SearchRecords& records,
-                                                  const std::vector<Ranked>& first);
+/// Two effects that hide each other: of what each effect promises alongside each of the first names, the best fitted, with both in their
+/// models. Greatest evidence first, each two names once.
+std::vector<Ranked> best_pairs(const SearchSetting& setting, const SearchRecords& records,
+                               const std::vector<Ranked>& first);
 
 }  // namespace bodesmith::gap

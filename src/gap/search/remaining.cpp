@@ -37,6 +37,7 @@ NoiseFloor floor_of(const Model&, const FrequencyExperiment& experiment) {
   const auto noise = noise_by_coherence(experiment.record());
   if (!noise) return floor;
   floor.rms = *noise;
+  floor.most_noise = kOverFloor * floor.rms;
   floor.source = NoiseFloor::Source::periods;
   const auto& averages = experiment.record().averages;
   floor.periods = whole_number<int>(*std::min_element(averages.begin(), averages.end()));
@@ -79,10 +80,8 @@ std::vector<Sign> signs_left(const Model& model, const SearchRecords& records) {
 }
 
 bool is_something_left(const Model& model, const SearchRecords& records) {
-  const auto floor = floor_under(model, records);
-  if (floor.source == NoiseFloor::Source::periods && rms_of(model, records.train) > kOverFloor * floor.rms)
-    return true;
-  return !signs_left(model, records).empty();
+  return rms_of(model, records.train) > floor_under(model, records).most_noise ||
+         !signs_left(model, records).empty();
 }
 
 }  // namespace bodesmith::gap

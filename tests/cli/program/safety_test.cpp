@@ -130,9 +130,9 @@ TEST(Safety, NumbersBeyondDoublesAreRefusedNotWritten) {
 
 TEST(Safety, AStoppedSearchHasAVerdictOfItsOwn) {
   gap::SearchResult result;
-  EXPECT_EQ(gap::verdict_of(result, 1.0), gap::Verdict::nothing_missing);
+  EXPECT_EQ(gap::verdict_of(result), gap::Verdict::nothing_missing);
   result.stopped = true;
-  EXPECT_EQ(to_string(gap::verdict_of(result, 1.0)), "interrupted");
+  EXPECT_EQ(to_string(gap::verdict_of(result)), "interrupted");
 }
 
 }  // namespace

@@ -200,6 +200,16 @@ TEST(TargetFit, GoesTheWayThatWasAsked) {
     EXPECT_EQ(direct.sections().pole_count(), 2);
   }
   EXPECT_TRUE(design_by("method = \"bounded\"\nbeta_max = 1.5\n").fit->bounded);
+  // What goes through 41 points of a line cannot be built: refused if that is asked, otherwise they are fitted.
+  Project many = read_as("[target]\npoints = \"points.csv\"\n[fit]\nmethod = \"interpolate\"\n");
+  many.target.points.points.clear();
+  for (int i = 0; i <= 40; ++i) {
+    const Hertz f{std::pow(10.0, 0.1 * i)};
+    many.target.points.points.push_back({f, 1.0 / std::sqrt(f.value), std::nullopt, 1.0, 0});
+  }
+  EXPECT_THROW(fit_response(many), DesignError);
+  many.fit.method = Project::Fit::Method::automatic;
+  EXPECT_NE(fit_response(many).how.find("41 points would make 40 bands"), std::string::npos);
 }
 
 // s^-0.9 and a lag of order 1: the integrator that is kept is one of the poles, and falls as the transfer does.

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+
 #include "base/text.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
@@ -23,9 +26,8 @@ report::Table spread_table(const tolerance::TrimStudy& trims, const std::vector<
 
 report::Table share_table(const std::vector<tolerance::Share>& parts) {
   report::Table table{{"part", "share of the variance, %", "adds at one standard deviation, %"}, {}, {}};
-  for (std::size_t i = 0; i < parts.size() && i < 8; ++i) {
-    table.rows.push_back(
-        {parts[i].name, rounded_text(100.0 * parts[i].share, 2), rounded_text(parts[i].rms_percent, 2)});
+  for (const tolerance::Share& part : std::span(parts).first(std::min<std::size_t>(parts.size(), 8))) {
+    table.rows.push_back({part.name, rounded_text(100.0 * part.share, 2), rounded_text(part.rms_percent, 2)});
   }
   return table;
 }

@@ -195,7 +195,7 @@ TEST(Engines, HumAndDriftAreInTheTimeOfTheRecord) {
   EXPECT_LT(max_difference(simulate(chain, in, by_record(8)).y, simulate(chain, in, cvode(1e-12)).y), 1e-9);
 }
 
-/// Behind it a gain and a curve, which act value by value.
+/// In front of it a curve, and behind it a gain and another, which act value by value.
 TEST(Engines, AMemoryThatKnowsTheRateIsSteppedEightTimesASample) {
   const auto memory = make_block("fractional_dynamic")
                           .set("K_M", 1e6)
@@ -207,22 +207,24 @@ TEST(Engines, AMemoryThatKnowsTheRateIsSteppedEightTimesASample) {
                           .set("K_p", 1.0)
                           .set("Theta", 0.1)
                           .set("chi", 0.2);
-  const Chain chain{{memory, make_block("polynomial").set("coefficients", std::vector<double>{0.0, 1.0, 0.2}),
+  const Chain chain{{make_block("polynomial").set("coefficients", std::vector<double>{0.0, 1.0, 0.2}), memory,
                      make_block("gain").set("gain", -2.0).set("offset", 0.3),
                      make_block("saturation").set("lower", -0.4).set("upper", 0.5)}};
   const auto in = record_of(101, 0.005, two_sines);
   auto kernel = memory.kernel();
   auto& operation = *std::get<std::unique_ptr<chain::MemoryKernel>>(kernel);
-  std::vector<double> wanted = {operation.reset(in.u[0], false)};
+  const auto curved = [](double u) { return u + 0.2 * u * u; };
+  std::vector<double> wanted = {operation.reset(curved(in.u[0]), false)};
   for (std::size_t i = 1; i < in.size(); ++i) {
     double y = 0.0;
     for (int part = 1; part <= 8; ++part)
-      y = operation.step(in.u[i - 1] + (in.u[i] - in.u[i - 1]) * part / 8.0, in.step_s / 8.0);
+      y = operation.step(curved(in.u[i - 1] + (in.u[i] - in.u[i - 1]) * part / 8.0), in.step_s / 8.0);
     wanted.push_back(y);
   }
-  for (double& y : wanted) y = std::clamp(-2.0 * (y + 0.2 * y * y) + 0.3, -0.4, 0.5);
-  EXPECT_LT(max_difference(simulate(chain, in, cvode()).y, wanted), 1e-12);
-  EXPECT_LT(max_difference(simulate(chain, in, by_record(8)).y, wanted), 1e-12);
+  for (double& y : wanted) y = std::clamp(-2.0 * y + 0.3, -0.4, 0.5);
+  // Steps of the ODE end pieces in between: shorter lines there. One line a sample is 5e-4 off.
+  EXPECT_LT(max_difference(simulate(chain, in, cvode()).y, wanted), 2e-5);
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(8)).y, wanted), 1e-4);
 }
 
 TEST(Engines, SampleAndHoldOnItsOwnClock) {

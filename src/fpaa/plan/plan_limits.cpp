@@ -12,6 +12,9 @@ namespace bodesmith::fpaa {
 namespace {
 
 constexpr double kImagesBelowHz = 1e5;
+/// Where a slow path shows the beat of a sine next to its clock: first multiples, widths of its poles.
+constexpr int kBeatMultiples = 4;
+constexpr double kAroundClock[] = {-0.3, 0.3};
 constexpr double kLeastLineHz = 1e-12;  ///< nearer to 0 it is no line
 
 /// int_0^x sin(u)/u du, to 1e-6 (series; auxiliary functions of Abramowitz and Stegun 5.2.38-39 above 4).
@@ -72,7 +75,7 @@ std::vector<BoardNodes> nodes_over(const SwitchedBoard& board, const std::vector
   return out;
 }
 
-Headroom headroom_of(const SwitchedBoard& switched, Band band) {
+Headroom headroom_of(const SwitchedBoard& switched, const Plan& plan, Band band) {
   constexpr int kPoints = 360;
   constexpr double kInstants = 4e7;  // half a second
   const int points =
@@ -91,6 +94,15 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band) {
       }
     }
   }
+  // The beats of sines next to clocks: on resonances, and slower than the band.
+  std::vector<ClockedPole> beats = clocked_poles(plan);
+  for (const double clock : plan.clocks_hz()) beats.push_back({{clock}, -band.from.value});
+  for (const auto& nodes :
+       nodes_over(switched, near_clocks(beats, {grid.front(), grid.back()}, kAroundClock, kBeatMultiples))) {
+    for (const auto& node : nodes) {
+      for (const PeriodicNetworks::NodeSize& size : node) sine = std::max(sine, size.largest);
+    }
+  }
   double step = 1.0;
   const StepPeaks peaks(grid);
   for (const std::vector<Complex>& gain : gains) step = std::max(step, peaks.largest(gain));
@@ -99,8 +111,6 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band) {
 
 ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   constexpr double kPieces = 1e6;  // of waveforms and their lines
-  constexpr int kBeatMultiples = 3;
-  constexpr double kAroundClock[] = {-0.3, 0.3};
   const std::set<double> all = plan.clocks_hz();
   const std::vector<double> clocks(all.begin(), all.end());
   constexpr int kSpread = 16;

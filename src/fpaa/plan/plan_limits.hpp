@@ -37,9 +37,9 @@ class StepPeaks {
 using BoardNodes = std::vector<std::vector<PeriodicNetworks::NodeSize>>;
 std::vector<BoardNodes> nodes_over(const SwitchedBoard& board, const std::vector<Hertz>& grid);
 
-/// The peak of every op-amp, as the switches make its voltage: over frequency, the largest value at any instant; and
+/// The peak of every op-amp, as the switches make its voltage: over frequency (next to clocks, too), the largest value at any instant; and
 /// of its step response.
-Headroom headroom_of(const SwitchedBoard& switched, Band band);
+Headroom headroom_of(const SwitchedBoard& switched, const Plan& plan, Band band);
 
 /// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every clock, against the
 /// signal at the output. Sines near a clock within the band are among

@@ -289,7 +289,7 @@ void state_figures(Plan& plan, const Sections& sections, Band band, const BoardA
   const SwitchedBoard board(plan);
   plan.error = stated_error(plan, board, sections, band, false);
   plan.error_with_delays = stated_error(plan, board, sections, band, true);
-  const Headroom headroom = headroom_of(board, band);
+  const Headroom headroom = headroom_of(board, plan, band);
   plan.max_input_v = std::min(headroom.sine_v, headroom.step_v);
   plan.max_step_v = headroom.step_v;
   const ImageLines images = images_of(board, plan, band);

@@ -78,6 +78,37 @@ TEST(ClockFeatures, BeatIsTheLargestImage) {
   EXPECT_LT(images.largest->line.value, 10.0);
 }
 
+TEST(ClockFeatures, TheBeatOfASineNextToAClockClipsFirst) {
+  // A lead of gain 1 at rest in front of a low pass of gain 3, which samples at 3 kHz: next to that and to 6 kHz the beat has the
+  // lead's gain there.
+  Plan plan = sampled_path();
+  PlacedCam& low = plan.chips[0].cams[0];
+  low.capacitors = {{"Cin", 6}, {"Cint", 202}, {"Cout", 2}};
+  low.z = {{{-6.0}}, {204.0, -202.0}};
+  PlacedCam lead;
+  lead.name = "Lead";
+  lead.cam = cam_registry().find("FilterBilinear");
+  lead.option = "Pole and Zero";
+  lead.clock_a = {16e6 / 889};
+  lead.capacitors = {{"Ca", 50}, {"Cb", 100}, {"Cc", 50}, {"Cd", 20}};
+  lead.z = {{{150.0, -50.0}}, {70.0, -20.0}};
+  plan.chips[0].cams = {low, lead};
+  plan.wires = {{"chip1.in1", "chip1.Lead"}, {"chip1.Lead", "chip1.Low"}, {"chip1.Low", "chip1.out1"}};
+  const SwitchedBoard board(plan);
+  double largest = 0.0;
+  for (int k = 0; k <= 2; ++k) {
+    for (int i = 1; i <= 100; ++i) {
+      for (const auto& node : board.nodes(Hertz{k * low.clock_a.value + 0.1 * i}.rad_s())) {
+        for (const PeriodicNetworks::NodeSize& size : node) largest = std::max(largest, size.largest);
+      }
+    }
+  }
+  const Headroom headroom = headroom_of(board, plan, {{1.0}, {1000.0}});
+  EXPECT_NEAR(headroom.sine_v * largest / kFullScaleV, 1.0, 0.01);
+  EXPECT_LT(headroom.sine_v, 0.3 * headroom.step_v);
+  EXPECT_NEAR(headroom.step_v * 3.0 / kFullScaleV, 1.0, 0.1);
+}
+
 /// What a path of 7 Hz lets through of the lines of clocks: the power of all of them of a sine together, by the definition.
 double let_through(double hz, std::span<const double> clocks, Band band) {
   std::vector<double> lines;

@@ -24,7 +24,7 @@ TEST(ErrorBudget, PartsOfTheSeedsPlan) {
     EXPECT_GT(cam.noise_kt_per_cu, cam.noise_in_band_kt_per_cu);
   }
   EXPECT_NEAR(plan.max_input_v * std::max(1.0, budget.cams[0].peak_node_gain), 3.0, 1.5);
-  const Headroom headroom = headroom_of(SwitchedBoard(plan), plan.error.band);
+  const Headroom headroom = headroom_of(SwitchedBoard(plan), plan, plan.error.band);
   EXPECT_EQ(plan.max_input_v, std::min(headroom.sine_v, headroom.step_v));
   EXPECT_EQ(plan.max_step_v, headroom.step_v);
   Plan late = plan;

@@ -181,7 +181,7 @@ DesignScore score_of(const Plan& plan) {
 /// Of plans with their figures the one that takes the first place by them, and the curve of TradeOff.
 Plan best_of(std::vector<FoundPlan> found) {
   std::vector<TradeOff> curve;
-  std::pair<bool, double> least{true, std::numeric_limits<double>::infinity()};
+  std::pair<int, double> least{2, std::numeric_limits<double>::infinity()};
   std::size_t best = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Plan& plan = found[i].plan;

@@ -70,8 +70,8 @@ double DesignScore::rank(int opamps, bool vendor) const {
                  (vendor ? 0.0 : kVendorMargin));
 }
 
-std::pair<bool, double> DesignScore::place(double missing, int opamps, bool vendor) const {
-  return {missing > 0.0, snapped(rank(opamps, vendor) * (1.0 + missing))};
+std::pair<int, double> DesignScore::place(double missing, int opamps, bool vendor) const {
+  return {image > kUselessShare ? 2 : missing > 0.0 ? 1 : 0, snapped(rank(opamps, vendor) * (1.0 + missing))};
 }
 
 std::vector<double> errors_of_95_percent(const std::vector<Complex>& errors, const CapacitorEffects& effects,

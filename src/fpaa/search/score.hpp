@@ -28,8 +28,9 @@ struct DesignScore {
   /// What designs are compared by, the least is the best: total() and the designed error once more (which no trim takes away), a share
   /// more for each op-amp and chip; a stage that AnadigmDesigner2 cannot make has to earn a tenth of a point.
   double rank(int opamps, bool vendor) const;
-  /// What has all that is wanted of a plan comes first; of the others what misses more counts as so much worse.
-  std::pair<bool, double> place(double missing, int opamps, bool vendor) const;
+  /// What has all that is wanted of a plan comes first, what is of no use for its images last; of the others what misses more counts as
+  /// so much worse.
+  std::pair<int, double> place(double missing, int opamps, bool vendor) const;
 };
 
 /// The share of the bound that costs nothing.

@@ -58,7 +58,7 @@ struct Candidate {
   bool vendor = false;
   double missing = 0.0;  ///< of what is wanted of a plan (DesignScore::missing), once capacitors are whole
   double rank() const { return score.rank(design->opamps(), vendor); }
-  std::pair<bool, double> place() const { return score.place(missing, design->opamps(), vendor); }
+  std::pair<int, double> place() const { return score.place(missing, design->opamps(), vendor); }
 };
 
 bool is_vendor(const Design& design) {

@@ -103,9 +103,15 @@ TEST(Score, WhatDesignsAreComparedBy) {
   EXPECT_NEAR(score.rank(8, true), 0.04 * 1.08, 1e-7);
   EXPECT_NEAR(score.rank(9, true), 0.04 * 1.19, 1e-7);  // another chip
   EXPECT_NEAR(score.rank(17, false), 0.04 * 1.37 + 1e-3, 1e-7);
-  EXPECT_EQ(score.place(0.0, 8, true), std::pair(false, score.rank(8, true)));
-  EXPECT_TRUE(score.place(0.5, 8, true).first);
+  EXPECT_EQ(score.place(0.0, 8, true), std::pair(0, score.rank(8, true)));
+  EXPECT_EQ(score.place(0.5, 8, true).first, 1);
   EXPECT_NEAR(score.place(0.5, 8, true).second, 1.5 * score.rank(8, true), 1e-6);
+  // Of no use for its images: after one that takes a thirtieth of the input.
+  DesignScore useless = score, low = score;
+  useless.image = 0.26;
+  low.image = 0.24;
+  low.input /= 30.0;
+  EXPECT_LT(low.place(low.missing(), 8, true), useless.place(0.0, 8, true));
 }
 
 TEST(Score, MismatchAddsBySquaresFrequencyByFrequency) {

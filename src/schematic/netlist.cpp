@@ -67,16 +67,14 @@ SwitchTimer SwitchTimer::of(const SwitchModel& model) {
   if (!(model.gap_s >= 0.0) || !(model.gap_s < model.on_delay_s)) {
     throw DesignError("the switch's break-before-make gap must be at least 0 and shorter than its delay");
   }
-  // exp(-on/tau) + exp(-off/tau) rises with tau from 0 to 2.
-  double low = 1e-3 * model.on_delay_s, high = 10.0 * model.on_delay_s;
+  // exp(-on/tau) + exp(-off/tau) rises with tau from 0 to 2; here in units of the delay.
+  const double off = model.off_delay_s() / model.on_delay_s;
+  double low = 1e-3, high = 10.0;
   for (int i = 0; i < 100; ++i) {
     const double tau = 0.5 * (low + high);
-    (std::exp(-model.on_delay_s / tau) + std::exp(-model.off_delay_s() / tau) < 1.0 ? low : high) = tau;
+    (std::exp(-1.0 / tau) + std::exp(-off / tau) < 1.0 ? low : high) = tau;
   }
-  SwitchTimer out;
-  out.tau_s = 0.5 * (low + high);
-  out.level = std::exp(-model.off_delay_s() / out.tau_s);
-  return out;
+  return {0.5 * (low + high) * model.on_delay_s, std::exp(-off / (0.5 * (low + high)))};
 }
 
 const Part* Netlist::part_named(const std::string& name) const {

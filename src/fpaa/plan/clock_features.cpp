@@ -18,45 +18,6 @@ void add_poles(std::vector<ClockedPole>& out, Hertz clock, const std::vector<Com
   }
 }
 
-}  // namespace
-
-std::vector<ClockedPole> clocked_poles(const Plan& plan) {
-  std::vector<ClockedPole> out;
-  for (const PlacedCam* cam : plan.cams()) {
-    std::vector<double> below = in_one_minus(cam->z.denominator);
-    if (below.size() > 3) continue;
-    below.resize(3, 0.0);
-    add_poles(out, cam->clock_a, quadratic_roots(below[0], below[1], below[2]));
-  }
-  return out;
-}
-
-std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
-                               std::span<const double> offsets, int multiples) {
-  std::vector<Hertz> out;
-  for (const ClockedPole& pole : poles) {
-    const double width = std::abs(pole.pole_hz.real());
-    const double apart = std::abs(pole.pole_hz.imag());
-    const double reach = apart + 30.0 * width;
-    if (pole.clock.value - reach > band.to.value) continue;
-    for (int k = 1; k <= multiples && k * pole.clock.value - reach <= band.to.value; ++k) {
-      for (const double offset : offsets) {
-        for (const double side : {-apart, apart}) {
-          const Hertz f{k * pole.clock.value + side + offset * width};
-          if (f >= band.from && f <= band.to) out.push_back(f);
-          if (apart == 0.0) break;
-        }
-      }
-    }
-  }
-  std::ranges::sort(out, {}, &Hertz::value);
-  out.erase(std::unique(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value == b.value; }),
-            out.end());
-  return out;
-}
-
-namespace {
-
 /// That a multiple of one clock is one of a faster clock, too: its lines are counted there.
 bool is_of_faster(std::span<const double> clocks_hz, std::size_t clock, double multiple) {
   return std::ranges::any_of(clocks_hz, [&](double other) {
@@ -112,6 +73,41 @@ void add_image_sines(std::vector<BandSine>& out, std::span<const double> clocks_
 }
 
 }  // namespace
+
+std::vector<ClockedPole> clocked_poles(const Plan& plan) {
+  std::vector<ClockedPole> out;
+  for (const PlacedCam* cam : plan.cams()) {
+    std::vector<double> below = in_one_minus(cam->z.denominator);
+    if (below.size() > 3) continue;
+    below.resize(3, 0.0);
+    add_poles(out, cam->clock_a, quadratic_roots(below[0], below[1], below[2]));
+  }
+  return out;
+}
+
+std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
+                               std::span<const double> offsets, int multiples) {
+  std::vector<Hertz> out;
+  for (const ClockedPole& pole : poles) {
+    const double width = std::abs(pole.pole_hz.real());
+    const double apart = std::abs(pole.pole_hz.imag());
+    const double reach = apart + 30.0 * width;
+    if (pole.clock.value - reach > band.to.value) continue;
+    for (int k = 1; k <= multiples && k * pole.clock.value - reach <= band.to.value; ++k) {
+      for (const double offset : offsets) {
+        for (const double side : {-apart, apart}) {
+          const Hertz f{k * pole.clock.value + side + offset * width};
+          if (f >= band.from && f <= band.to) out.push_back(f);
+          if (apart == 0.0) break;
+        }
+      }
+    }
+  }
+  std::ranges::sort(out, {}, &Hertz::value);
+  out.erase(std::unique(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value == b.value; }),
+            out.end());
+  return out;
+}
 
 std::vector<BandSine> image_sines(std::span<const double> clocks_hz, Band band, double most) {
   std::vector<BandSine> out;

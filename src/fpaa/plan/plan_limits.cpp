@@ -115,20 +115,9 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
   const std::vector<double> clocks(all.begin(), all.end());
   constexpr int kSpread = 16;
   constexpr Band kLines{{kLeastLineHz}, {kImagesBelowHz}};
-  std::vector<BandSine> signals = image_sines(clocks, band, kPieces / static_cast<double>(board.pieces()));
-  for (const auto& others :
-       {log_grid(band, kSpread), near_clocks(clocked_poles(plan), band, kAroundClock, kBeatMultiples)}) {
-    for (const Hertz f : others) signals.push_back({f});
-  }
   ImageLines out;
-  for (const BandSine& sine : signals) {
-    const Hertz f = sine.frequency;
-    std::vector<double> lines;
-    for (std::size_t clock = 0; clock < clocks.size(); ++clock) {
-      if (sine.share > 0.0 && sine.clock != clock) continue;
-      const std::vector<double> own = clock_lines_hz(clocks, clock, f.value, kLines);
-      lines.insert(lines.end(), own.begin(), own.end());
-    }
+  // The largest of these lines; the rms of those within the band.
+  const auto look = [&](Hertz f, const std::vector<double>& lines) {
     std::vector<RadPerSecond> asked;
     for (const double line : lines) asked.push_back(Hertz{line}.rad_s());
     asked.push_back(f.rad_s());
@@ -145,7 +134,22 @@ ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
         if (most != nullptr && (!*most || line.magnitude_db > (*most)->magnitude_db)) *most = line;
       }
     }
-    out.sines.push_back({sine, std::sqrt(squares)});
+    return std::sqrt(squares);
+  };
+  for (const BandSine& sine : image_sines(clocks, band, kPieces / static_cast<double>(board.pieces()))) {
+    const Hertz f = sine.frequency;
+    out.sines.push_back({sine, look(f, clock_lines_hz(clocks, sine.clock, f.value, kLines))});
+  }
+  for (const auto& others :
+       {log_grid(band, kSpread), near_clocks(clocked_poles(plan), band, kAroundClock, kBeatMultiples)}) {
+    for (const Hertz f : others) {
+      std::vector<double> lines;
+      for (std::size_t clock = 0; clock < clocks.size(); ++clock) {
+        const std::vector<double> own = clock_lines_hz(clocks, clock, f.value, kLines);
+        lines.insert(lines.end(), own.begin(), own.end());
+      }
+      look(f, lines);
+    }
   }
   return out;
 }

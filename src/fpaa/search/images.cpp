@@ -83,13 +83,8 @@ double image_share(const Design& design, const DesignTarget& target) {
   DesignTarget sines;
   sines.band = target.band;
   sines.master_hz = target.master_hz;
-  std::vector<double> weights;
   const std::vector<BandSine> band_sines = image_sines(clocks, target.band, kMostSines);
-  for (const BandSine& sine : band_sines) {
-    const RadPerSecond w = sine.frequency.rad_s();
-    sines.grid.push_back(w);
-    weights.push_back(sine.share / std::pow(error_reference(target.sections, w), 2));
-  }
+  for (const BandSine& sine : band_sines) sines.grid.push_back(sine.frequency.rad_s());
   const StageFactorTable table(sines);
   const DesignResponse response(design, table);
   double sum = 0.0;
@@ -100,7 +95,7 @@ double image_share(const Design& design, const DesignTarget& target) {
       const double away = 2.0 * std::numbers::pi * (line - f);
       squares += std::norm(line_of(response, k, sines.grid[k].value, away));
     }
-    sum += squares * weights[k];
+    sum += squares * (band_sines[k].share / std::pow(error_reference(target.sections, sines.grid[k]), 2));
   }
   return std::sqrt(sum);
 }

@@ -39,11 +39,10 @@ struct BeforeAndAfter {
 };
 
 BeforeAndAfter simulate_both(const Diagnosis& d, const TimeExperiment& e) {
-  BeforeAndAfter s{e.record(), e.first(), {}, {}, {}, {}, {}};
+  BeforeAndAfter s{e.record(), e.first(), e.record().times_s(), {}, {}, {}, {}};
   s.residual_before = whole_residual(d.search.base, e);
   s.residual_after = whole_residual(d.search.final, e);
   for (std::size_t i = 0; i < e.record().size(); ++i) {
-    s.time.push_back(e.record().time_s(i));
     s.before.push_back(e.record().y[i] - s.residual_before[i]);
     s.after.push_back(e.record().y[i] - s.residual_after[i]);
   }

@@ -158,14 +158,13 @@ std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& res
   const std::vector<double> e(residual.begin() + static_cast<std::ptrdiff_t>(from), residual.end());
   const auto u = std::span(record.u).subspan(from, n - from);
   cells.push_back(densest(Axis::frequency, frequency_bins(e, record.step_s)));
-  std::vector<double> times;
-  for (std::size_t i = from; i < n; ++i) times.push_back(record.time_s(i));
-  const auto add = [&](Axis axis, std::span<const double> signal) {
-    if (const auto bins = even_bins(e, signal); !bins.empty()) cells.push_back(densest(axis, bins));
+  const auto add = [&](Axis axis, const std::vector<double>& signal) {
+    const auto bins = even_bins(e, std::span(signal).subspan(from, n - from));
+    if (!bins.empty()) cells.push_back(densest(axis, bins));
   };
-  add(Axis::time, times);
-  add(Axis::input, u);
-  if (record.y.size() >= n) add(Axis::output, std::span(record.y).subspan(from, n - from));
+  add(Axis::time, record.times_s());
+  add(Axis::input, record.u);
+  if (record.y.size() >= n) add(Axis::output, record.y);
   cells.push_back(densest(Axis::branch, branch_bins(e, u)));
   if (period > 0 && e.size() >= 2 * period)
     cells.push_back(densest(Axis::harmonic, harmonic_bins(e, period)));

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/engines/engine.hpp"
 #include "simulate/ode/cvode_solver.hpp"
 
@@ -41,21 +42,6 @@ Result run_one(Engine which, const chain::Chain& chain, const TimeRecord& input,
   return result;
 }
 
-/// CVODE's output and its error, where it can be had. Only for whoever wants to know the error: it costs two
-/// more runs that stop at every corner of the input.
-std::optional<Result> second_opinion(const chain::Chain& chain, const TimeRecord& input,
-                                     const Options& options) {
-  constexpr std::size_t kMaxSamples = 100'000;
-  if (!options.estimate_error || input.size() > kMaxSamples) return std::nullopt;
-  try {
-    Result out = std::get<Result>(cvode_engine().run(chain, input, options));
-    out.error_estimate = cvode_engine().estimate_error(chain, input, options, out);
-    return out;
-  } catch (const InputError&) {
-    return std::nullopt;  // not every chain can be solved so; the record engine's output stands
-  }
-}
-
 Result run_automatic(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
   const Stopwatch watch;
   auto closed = exact_engine().run(chain, input, options);
@@ -65,17 +51,23 @@ Result run_automatic(const chain::Chain& chain, const TimeRecord& input, const O
   } else {
     RefinedRecord refined = run_record_refined(chain, input, options);
     result = std::move(refined.result);
-    if (refined.outcome == RefinedRecord::Outcome::smallest_step) {
-      // A kink or jump inside a sample interval lowers the record engine's order; CVODE's events find it.
-      // Takes its output where it is the better one, and says so.
-      const double record_error = *result.error_estimate;
+    // A kink or jump inside a sample interval lowers the record engine's order; CVODE's events find it.
+    // Takes its output where it is the better one, and says so.
+    const bool hidden = refined.outcome == RefinedRecord::Outcome::corners_hidden;
+    if (hidden || refined.outcome == RefinedRecord::Outcome::smallest_step) {
       auto by_events = second_opinion(chain, input, options);
+      if (hidden && by_events) result.error_estimate = error_figures(result.y, by_events->y).max;
+      const double record_error = *result.error_estimate;
       const bool better = by_events && *by_events->error_estimate < record_error;
       if (better) result = std::move(*by_events);
-      result.notes.push_back(fmt::format(
-          "from sample to sample the output still changed by {:.2g} when the step was last halved: a kink or "
-          "jump lies inside sample intervals; {}",
-          record_error, better ? "CVODE took over" : "the engine cvode locates such events"));
+      result.notes.push_back(
+          (hidden
+               ? "corners of the input lie between samples, where a delay moves them, in front of memory; "
+               : fmt::format(
+                     "from sample to sample the output still changed by {:.2g} when the step was last halved: a "
+                     "kink or jump lies inside sample intervals; ",
+                     record_error)) +
+          (better ? "CVODE took over" : "the engine cvode locates such events"));
     }
   }
   result.stats.compute_s = watch.seconds();

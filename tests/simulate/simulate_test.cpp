@@ -192,6 +192,32 @@ TEST(SwitchDelay, TheOldBranchHoldsUntilTheSwitchActs) {
   }
 }
 
+TEST(Engines, CornersThatADelayMovesBetweenSamplesAreNotMissed) {
+  const TimeRecord in = turning_triangle(50, 6);
+  constexpr double kLate =
+      0.2;  // of a sample: the same node is the nearest one, however often the step is halved
+  const Chain chain{
+      {make_block("delay").set("delay_s", kLate * in.step_s), make_block("backlash").set("width", 0.3)}};
+  // y follows where the gap is used up; each corner is visited between the samples.
+  std::vector<double> truth = {0.0};
+  double y = 0.0;
+  const auto move_to = [&](double u) { y = std::clamp(y, u - 0.15, u + 0.15); };
+  for (std::size_t i = 1; i < in.size(); ++i) {
+    move_to(in.u[i - 1]);
+    move_to(in.u[i] + kLate * (in.u[i - 1] - in.u[i]));
+    truth.push_back(y);
+  }
+  const Result automatic = simulate(chain, in);
+  EXPECT_LT(max_difference(automatic.y, truth), 1e-8);
+  EXPECT_LT(*automatic.error_estimate, 1e-7);
+  Options by_samples;
+  by_samples.engine = Engine::record;
+  const Result record = simulate(chain, in, by_samples);
+  const double left = max_difference(record.y, truth);
+  EXPECT_GT(left, 1e-3);  // a fifth of a sample's slope at each turn
+  EXPECT_NEAR(*record.error_estimate, left, 0.01 * left);
+}
+
 TEST(SwitchDelay, ZeroIsTheSwitchedCubicItself) {
   const TimeRecord in = turning_triangle(40, 5);
   const auto late = simulate(Chain{{branches(0.0)}}, in, by_engine(Engine::record)).y;

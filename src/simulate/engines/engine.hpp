@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <variant>
 
@@ -39,10 +40,19 @@ Result run_record(const chain::Chain& chain, const SampledInput& input, const Op
 /// The record engine, its step halved until that no longer changes the output by more than the tolerance;
 /// the finest run counts, error estimate included.
 struct RefinedRecord {
-  enum class Outcome { converged, smallest_step };
+  enum class Outcome {
+    converged,
+    smallest_step,
+    corners_hidden,  ///< it no longer changed, which says nothing: corners of the input lie between the nodes of every step
+  };
   Outcome outcome = Outcome::converged;
   Result result;
 };
 RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& input, const Options& options);
+
+/// CVODE's output and its error, where it can be had and some 100 000 samples are not too many for it: it stops at every corner of
+/// the input.
+std::optional<Result> second_opinion(const chain::Chain& chain, const TimeRecord& input,
+                                     const Options& options);
 
 }  // namespace bodesmith::simulate

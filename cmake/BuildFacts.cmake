@@ -53,7 +53,7 @@ foreach(header matio_pubconf.h matio.h)
   endif()
 endforeach()
 bodesmith_version_in(${KLU_INCLUDE_DIR}/suitesparse/klu.h "KLU_(MAIN|SUB|SUBSUB)_VERSION" klu_version)
-set(BODESMITH_LIBRARIES "eigen=${Eigen3_VERSION} sundials=${SUNDIALS_VERSION} boost=${Boost_VERSION_STRING} nlohmann_json=${nlohmann_json_VERSION} tomlplusplus=${tomlplusplus_VERSION} fmt=${fmt_VERSION} openssl=${OPENSSL_VERSION} matio=${matio_version} klu=${klu_version} mpi=${MPI_CXX_VERSION} musl=${BODESMITH_MUSL}")
+set(BODESMITH_LIBRARIES "eigen=${Eigen3_VERSION} sundials=${BODESMITH_SUNDIALS} boost=${Boost_VERSION_STRING} nlohmann_json=${nlohmann_json_VERSION} tomlplusplus=${tomlplusplus_VERSION} fmt=${fmt_VERSION} openssl=${OPENSSL_VERSION} matio=${matio_version} klu=${klu_version} mpi=${MPI_CXX_VERSION} musl=${BODESMITH_MUSL}")
 
 set(BODESMITH_BUILD_FACTS ${CMAKE_BINARY_DIR}/generated/cli/build_facts.cpp)
 configure_file(${CMAKE_CURRENT_SOURCE_DIR}/src/cli/build_facts.cpp.in ${BODESMITH_BUILD_FACTS} @ONLY)

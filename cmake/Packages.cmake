@@ -40,7 +40,7 @@ mpirun -n N bodesmith yield. The program loads it under mpirun only.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libbodesmith-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libeigen3-dev, libsundials-dev, libsuitesparse-dev, nlohmann-json3-dev, libtomlplusplus-dev, libfmt-dev, libssl-dev, libmatio-dev")
+    "libeigen3-dev, libsuitesparse-dev, nlohmann-json3-dev, libtomlplusplus-dev, libfmt-dev, libssl-dev, libmatio-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "analog compensators from Bode magnitudes (static library)")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "Headers and static libraries of bodesmith, with files for CMake

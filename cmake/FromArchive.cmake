@@ -1,0 +1,22 @@
+# bodesmith_from_archive(NAME ARCHIVE MEMBERS…): bodesmith_NAME, a static library of these object files of another one, installed with
+# bodesmith's own: who uses them needs no package of theirs. No target where the archive lacks one of them; ${NAME}_ERROR says which.
+function(bodesmith_from_archive name archive)
+  set(folder ${CMAKE_BINARY_DIR}/${name})
+  file(MAKE_DIRECTORY ${folder})
+  execute_process(COMMAND ${CMAKE_AR} x ${archive} ${ARGN} WORKING_DIRECTORY ${folder} RESULT_VARIABLE status ERROR_VARIABLE why)
+  if(NOT status EQUAL 0)
+    set(${name}_ERROR "${archive} lacks a function (${why})" PARENT_SCOPE)
+    return()
+  endif()
+  set(objects "")
+  foreach(member ${ARGN})
+    string(REGEX REPLACE "[.]lo$" ".o" object ${folder}/${member})  # CMake knows an object by its .o
+    if(NOT object STREQUAL ${folder}/${member})
+      configure_file(${folder}/${member} ${object} COPYONLY)
+    endif()
+    list(APPEND objects ${object})
+  endforeach()
+  add_library(bodesmith_${name} STATIC ${objects})
+  set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT ON)
+  set_target_properties(bodesmith_${name} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
+endfunction()

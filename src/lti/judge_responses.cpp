@@ -63,6 +63,14 @@ void refine_at_peaks(const Peaks& peaks, const Add& add) {
   }
 }
 
+Sampled judged(const Responses& got, const Responses& wanted, Band band) {
+  Sampled at;
+  at.add(judging_grid([&](Hertz f) { return wanted({f}).front(); }, band, kJudgedPoints), got, wanted);
+  refine_at_peaks([&] { return peaks_of(at); },
+                  [&](const std::vector<Hertz>& more) { at.add(more, got, wanted); });
+  return at;
+}
+
 }  // namespace
 
 Responses at_each(std::function<Complex(RadPerSecond)> response) {
@@ -105,11 +113,12 @@ double refined_maximum(std::vector<Hertz> grid, const std::function<double(Hertz
   return values.empty() ? 0.0 : *std::ranges::max_element(values);
 }
 
+std::vector<Hertz> judged_frequencies(const Responses& got, const Responses& wanted, Band band) {
+  return judged(got, wanted, band).grid;
+}
+
 ResponseDifference judge_responses(const Responses& got, const Responses& wanted, Band band) {
-  Sampled at;
-  at.add(judging_grid([&](Hertz f) { return wanted({f}).front(); }, band, kJudgedPoints), got, wanted);
-  refine_at_peaks([&] { return peaks_of(at); },
-                  [&](const std::vector<Hertz>& more) { at.add(more, got, wanted); });
+  const Sampled at = judged(got, wanted, band);
   return compare_responses(at.grid, at.got, at.wanted);
 }
 

@@ -23,8 +23,11 @@ inline constexpr int kPeakRounds = 6;
 /// The largest value of a curve, from one on a grid that is made finer near its peaks.
 double refined_maximum(std::vector<Hertz> grid, const std::function<double(Hertz)>& curve);
 
-/// The largest differences over the band, between the points of any grid: compare_responses() on a judging_grid() that is
-/// made finer at the peaks of the difference until these stay. What every command states of a band is found here.
+/// A judging_grid() that is made finer at the peaks of the difference until these stay.
+std::vector<Hertz> judged_frequencies(const Responses& got, const Responses& wanted, Band band);
+
+/// The largest differences over the band, between the points of any grid: compare_responses() at
+/// judged_frequencies(). What every command states of a band is found here.
 ResponseDifference judge_responses(const Responses& got, const Responses& wanted, Band band);
 
 }  // namespace bodesmith

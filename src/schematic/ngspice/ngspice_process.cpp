@@ -60,35 +60,46 @@ class ChildOf {
   pid_t child_;
 };
 
+/// What the child needs, laid out before it begins: it shares this program's memory until it is another program.
+struct Start {
+  std::vector<char*> argv;
+  std::string folder, out, err;
+  pid_t parent;
+};
+
+[[noreturn]] void become(const Start& start, const EndingHeld& held) {
+  held.forget_in_child();
+#ifdef __linux__
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // also when this program is killed so that it cannot say anything
+  if (::getppid() != start.parent) ::_exit(126);
+#endif
+  const int in = ::open("/dev/null", O_RDONLY);
+  const int out = ::open(start.out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int err = ::open(start.err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  if (in < 0 || out < 0 || err < 0 || ::chdir(start.folder.c_str()) != 0) ::_exit(126);
+  ::dup2(in, 0);
+  ::dup2(out, 1);
+  ::dup2(err, 2);
+  ::execv(start.argv.front(), start.argv.data());
+  ::_exit(127);
+}
+
 /// Starts `program arguments` in `folder` with its output in out.txt and err.txt; its exit status, or -1
 /// after a timeout.
 int run_program(const std::string& program, const std::vector<std::string>& arguments, const fs::path& folder,
                 double timeout_s) {
-  std::vector<char*> argv = {const_cast<char*>(program.c_str())};
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
-  const std::string directory = folder.string();
-  const std::string out_name = (folder / "out.txt").string(), err_name = (folder / "err.txt").string();
+  Start start{{const_cast<char*>(program.c_str())},
+              folder.string(),
+              (folder / "out.txt").string(),
+              (folder / "err.txt").string(),
+              ::getpid()};
+  for (const std::string& argument : arguments) start.argv.push_back(const_cast<char*>(argument.c_str()));
+  start.argv.push_back(nullptr);
   std::optional<EndingHeld> until_known(std::in_place);
-  const pid_t parent = ::getpid();
-  const pid_t child = ::fork();
+  // Not fork: after it every page that this program's threads write is copied first, for a child that reads none.
+  const pid_t child = ::vfork();
   if (child < 0) throw InputError("ngspice cannot be started: no more processes");
-  if (child == 0) {
-    until_known->forget_in_child();
-#ifdef __linux__
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // also when this program is killed so that it cannot say anything
-    if (::getppid() != parent) ::_exit(126);
-#endif
-    const int in = ::open("/dev/null", O_RDONLY);
-    const int out = ::open(out_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    const int err = ::open(err_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    if (in < 0 || out < 0 || err < 0 || ::chdir(directory.c_str()) != 0) ::_exit(126);
-    ::dup2(in, 0);
-    ::dup2(out, 1);
-    ::dup2(err, 2);
-    ::execv(program.c_str(), argv.data());
-    ::_exit(127);
-  }
+  if (child == 0) become(start, *until_known);
   const ChildOf here(child);
   until_known.reset();
   const auto begin = std::chrono::steady_clock::now();

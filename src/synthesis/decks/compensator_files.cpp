@@ -132,21 +132,20 @@ double check_noise(const Circuit& circuit, const std::string& library, Band band
 
 }  // namespace
 
-CompensatorCheck check_compensator(const Circuit& circuit, const Sections& wanted, int points) {
+CompensatorCheck check_compensator(const Circuit& circuit, const Sections& wanted) {
   CompensatorCheck out;
   out.band = searched_band(without_far_zeros(wanted));
-  const std::vector<Hertz> grid = log_grid(out.band, points);
   const std::string library = schematic::spice_text(compensator_library(circuit, "check"));
-  const auto in_ngspice = [&](const std::vector<Hertz>& at) {
-    return ngspice::run_ac_of_text(library, "compensator.sub", at);
+  const Responses network = [&](const std::vector<Hertz>& grid) {
+    return schematic::network_response(circuit, grid, {.ideal_opamps = circuit.opamp.is_ideal});
   };
-  const auto network = circuit.opamp.is_ideal
-                           ? schematic::network_response(circuit, grid, {.ideal_opamps = true})
-                           : schematic::network_response(circuit, grid);
-  out.against_network = compare_responses(grid, in_ngspice(grid), network);
-  // As the program judges its own: beside a notch a plain grid has other errors, and no flanks.
-  out.against_sections =
-      judge_responses(in_ngspice, at_each([&](RadPerSecond w) { return wanted.response(w); }), out.band);
+  const Responses sections = at_each([&](RadPerSecond w) { return wanted.response(w); });
+  // As the program judges its own: beside a notch a plain grid has other errors, and no flanks. Where the network is furthest from
+  // the sections ngspice is as well, but for what it is off the network: one run of it has all frequencies.
+  const std::vector<Hertz> grid = judged_frequencies(network, sections, out.band);
+  const std::vector<Complex> in_ngspice = ngspice::run_ac_of_text(library, "compensator.sub", grid);
+  out.against_network = compare_responses(grid, in_ngspice, network(grid));
+  out.against_sections = compare_responses(grid, in_ngspice, sections(grid));
   out.transient_percent =
       check_transient(circuit, library, std::sqrt(out.band.from.value * out.band.to.value));
   out.noise_percent = check_noise(circuit, library, out.band);

@@ -30,7 +30,7 @@ struct CompensatorCheck {
 
 /// Runs compensator_library() through ngspice: small-signal from 1/10 of the lowest to 10 times the highest
 /// corner, two periods of a triangle at the middle of the corners, noise over the same band.
-CompensatorCheck check_compensator(const Circuit& circuit, const Sections& wanted, int points = 60);
+CompensatorCheck check_compensator(const Circuit& circuit, const Sections& wanted);
 
 /// "ngspice" of circuit.json.
 Json to_json(const CompensatorCheck& check);

@@ -131,7 +131,7 @@ TEST(Compensator, BiquadAndIdealOpAmps) {
   RealiseOptions options;
   options.opamp = schematic::OpAmpModel::ideal();
   const Realised made = realise(sections, options);
-  const CompensatorCheck check = check_compensator(made.circuit, sections, 30);
+  const CompensatorCheck check = check_compensator(made.circuit, sections);
   EXPECT_LT(check.against_network.max_complex_percent, 1e-5);
 }
 

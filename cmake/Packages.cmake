@@ -20,6 +20,9 @@ set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_SOURCE_DIR}/cmake/DebianFiles.cmake)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME bodesmith)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION electronics)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+# Loaded by name, not linked: libmatio.so.11 is in libmatio11.
+string(REPLACE ".so." "" matio_package ${matio})
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS ${matio_package})
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS ngspice)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "bodesmith-mpi, libbodesmith-dev")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION

@@ -1,7 +1,5 @@
 // MATLAB level 5, compressed, by libmatio. Sections: z, p, k (zeros and poles in rad/s, H = k prod(s - z)/prod(s - p)),
 // delay_s; a response: f (Hz), H; a record: t (s), u, y.
-#include <matio.h>
-
 #include <complex>
 #include <memory>
 #include <stdexcept>
@@ -11,21 +9,24 @@
 #include "base/temporary.hpp"
 #include "exchange/writer.hpp"
 #include "lti/section_making.hpp"
+#include "signal/formats/matio.hpp"
 
 namespace bodesmith::exchange {
 namespace {
+
+using formats::matio;
 
 /// No date in it: the same input gives the same bytes.
 constexpr const char* kMatHeader = "MATLAB 5.0 MAT-file, Platform: any, written by bodesmith";
 
 class MatOutput {
  public:
-  MatOutput() : mat_(Mat_CreateVer(file_.path().c_str(), kMatHeader, MAT_FT_MAT5), &Mat_Close) {
+  MatOutput() : mat_(matio().create(file_.path().c_str(), kMatHeader, MAT_FT_MAT5), matio().close) {
     if (mat_ == nullptr) throw std::runtime_error("libmatio cannot create a file in memory");
   }
   void add(const char* name, std::vector<double> values) {
     std::size_t dims[2] = {values.size(), 1};
-    put(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0));
+    put(matio().variable(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0));
   }
   void add(const char* name, const std::vector<Complex>& values) {
     // libmatio reads the first of no complex numbers.
@@ -38,7 +39,7 @@ class MatOutput {
     }
     mat_complex_split_t split{re.data(), im.data()};
     std::size_t dims[2] = {values.size(), 1};
-    put(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &split, MAT_F_COMPLEX));
+    put(matio().variable(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &split, MAT_F_COMPLEX));
   }
   std::string bytes() {
     mat_.reset();
@@ -47,8 +48,8 @@ class MatOutput {
 
  private:
   void put(matvar_t* variable) {
-    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> owned(variable, &Mat_VarFree);
-    if (variable == nullptr || Mat_VarWrite(mat_.get(), variable, MAT_COMPRESSION_ZLIB) != 0)
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> owned(variable, matio().free);
+    if (variable == nullptr || matio().write(mat_.get(), variable, MAT_COMPRESSION_ZLIB) != 0)
       throw std::runtime_error("libmatio cannot write a variable");
   }
 

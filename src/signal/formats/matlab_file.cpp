@@ -2,7 +2,6 @@
 // frequency f, freq, frequency (Hz) or w, omega, wout (rad/s) with a complex vector, or mag and phase (degrees);
 // or t, time, tout with u and y, or a sampling rate fs (a step ts, dt) with u and y. FILE:NAME[,NAME] chooses others.
 #include <fmt/format.h>
-#include <matio.h>
 
 #include <algorithm>
 #include <complex>
@@ -14,6 +13,7 @@
 #include "base/temporary.hpp"
 #include "base/text.hpp"
 #include "signal/formats/format.hpp"
+#include "signal/formats/matio.hpp"
 #include "signal/formats/table_meaning.hpp"
 #include "signal/formats/traces.hpp"
 
@@ -75,7 +75,7 @@ void collect(const matvar_t* variable, const std::string& prefix, std::vector<Ma
   if (variable == nullptr || variable->name == nullptr || depth > 3) return;
   const std::string name = prefix + variable->name;
   if (variable->class_type == MAT_C_STRUCT) {
-    const unsigned fields = Mat_VarGetNumberOfFields(const_cast<matvar_t*>(variable));
+    const unsigned fields = matio().number_of_fields(const_cast<matvar_t*>(variable));
     if (variable->data == nullptr || variable->nbytes < fields * sizeof(matvar_t*)) return;
     for (unsigned i = 0; i < fields; ++i)
       collect(static_cast<matvar_t* const*>(variable->data)[i], name + ".", out, depth + 1);
@@ -182,7 +182,7 @@ void validate_shape(const Source& source, const matvar_t& variable, int depth) {
     count *= d;
   }
   if (variable.class_type != MAT_C_STRUCT || variable.data == nullptr || depth > 3) return;
-  const unsigned fields = Mat_VarGetNumberOfFields(const_cast<matvar_t*>(&variable));
+  const unsigned fields = matio().number_of_fields(const_cast<matvar_t*>(&variable));
   if (variable.nbytes < fields * count * sizeof(matvar_t*)) return;
   for (std::size_t i = 0; i < fields * count; ++i) {
     const matvar_t* field = static_cast<matvar_t* const*>(variable.data)[i];
@@ -193,17 +193,17 @@ void validate_shape(const Source& source, const matvar_t& variable, int depth) {
 std::vector<MatVector> read_vectors(const Source& source) {
   validate_elements(source);
   const MemoryFile copy(source.bytes);
-  Mat_LogInitFunc("bodesmith", [](int, char*) {});
-  const std::unique_ptr<mat_t, int (*)(mat_t*)> mat(Mat_Open(copy.path().c_str(), MAT_ACC_RDONLY),
-                                                    &Mat_Close);
+  matio().log("bodesmith", [](int, char*) {});
+  const std::unique_ptr<mat_t, int (*)(mat_t*)> mat(matio().open(copy.path().c_str(), MAT_ACC_RDONLY),
+                                                    matio().close);
   if (mat == nullptr) throw InputError(source.file, 0, "is not a MATLAB file that can be opened");
   std::vector<MatVector> out;
   while (true) {
-    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNextInfo(mat.get()),
-                                                                  &Mat_VarFree);
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(matio().read_next_info(mat.get()),
+                                                                  matio().free);
     if (variable == nullptr) break;
     validate_shape(source, *variable, 0);
-    if (Mat_VarReadDataAll(mat.get(), variable.get()) != 0)
+    if (matio().read_data(mat.get(), variable.get()) != 0)
       throw InputError(
           source.file, 0,
           fmt::format("holds a variable '{}' that is damaged", variable->name ? variable->name : ""));

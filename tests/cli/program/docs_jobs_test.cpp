@@ -131,10 +131,17 @@ TEST(Readme, SaysWhatTheProgramSays) {
   EXPECT_LE(count, 120) << "what somebody reads in three minutes";
 }
 
-INSTANTIATE_TEST_SUITE_P(Docs, DocumentedExample, ::testing::Values("picma_gap", "opamp_slew", "silverbox"));
-INSTANTIATE_TEST_SUITE_P(Docs, DocumentedJob,
-                         ::testing::Values("audio.md", "piezo.md", "fractional_pid.md", "loop.md", "board.md",
-                                           "faulty_board.md", "measured.md"));
+// A suite for each page: ctest runs several at once.
+INSTANTIATE_TEST_SUITE_P(Picma, DocumentedExample, ::testing::Values("picma_gap"));
+INSTANTIATE_TEST_SUITE_P(Slew, DocumentedExample, ::testing::Values("opamp_slew"));
+INSTANTIATE_TEST_SUITE_P(Silverbox, DocumentedExample, ::testing::Values("silverbox"));
+INSTANTIATE_TEST_SUITE_P(Audio, DocumentedJob, ::testing::Values("audio.md"));
+INSTANTIATE_TEST_SUITE_P(Piezo, DocumentedJob, ::testing::Values("piezo.md"));
+INSTANTIATE_TEST_SUITE_P(Pid, DocumentedJob, ::testing::Values("fractional_pid.md"));
+INSTANTIATE_TEST_SUITE_P(Loop, DocumentedJob, ::testing::Values("loop.md"));
+INSTANTIATE_TEST_SUITE_P(Board, DocumentedJob, ::testing::Values("board.md"));
+INSTANTIATE_TEST_SUITE_P(FaultyBoard, DocumentedJob, ::testing::Values("faulty_board.md"));
+INSTANTIATE_TEST_SUITE_P(Measured, DocumentedJob, ::testing::Values("measured.md"));
 
 }  // namespace
 }  // namespace bodesmith

@@ -171,7 +171,9 @@ Orders grow_worst_terms(OrderCandidates& candidates, Orders orders, double limit
 class SplitSearch {
  public:
   SplitSearch(OrderCandidates& candidates, const Orders& min_orders, double limit_db)
-      : candidates_(candidates), min_orders_(min_orders), limit_db_(limit_db) {}
+      : candidates_(candidates), min_orders_(min_orders), limit_db_(limit_db), least_left_(min_orders) {
+    for (std::size_t i = min_orders.size() - 1; i-- > 0;) least_left_[i] += least_left_[i + 1];
+  }
 
   /// A split whose product is within the limit; nothing when there is none or the evaluations are used up.
   std::optional<Orders> find(int poles) {
@@ -188,7 +190,8 @@ class SplitSearch {
       orders[at] = poles;
       return candidates_.total_db(orders) <= limit_db_;
     }
-    for (int n = min_orders_[at]; n <= std::min(max_order, poles); ++n) {
+    const int most = std::min(max_order, poles - least_left_[at + 1]);
+    for (int n = min_orders_[at]; n <= most && trials_left_ > 0; ++n) {
       orders[at] = n;
       if (search(orders, at + 1, poles - n)) return true;
     }
@@ -198,15 +201,36 @@ class SplitSearch {
   OrderCandidates& candidates_;
   const Orders& min_orders_;
   double limit_db_;
+  Orders least_left_;       ///< poles that a term and those behind it have at least
   int trials_left_ = 4000;  ///< a few seconds for the largest grids
 };
 
-/// One pole fewer as long as some split of them is within the limit.
+/// One pole of one term fewer, where that leaves the product nearest; nothing when none leaves it within the limit.
+std::optional<Orders> drop_one_pole(OrderCandidates& candidates, const Orders& orders,
+                                    const Orders& min_orders, double limit_db) {
+  std::optional<Orders> best;
+  double best_db = limit_db;
+  for (std::size_t i = 0; i < orders.size(); ++i) {
+    Orders fewer = orders;
+    if (--fewer[i] < min_orders[i]) continue;
+    const double db = candidates.total_db(fewer);
+    if (db > best_db) continue;
+    best_db = db;
+    best = fewer;
+  }
+  return best;
+}
+
+/// One pole fewer as long as some split of them is within the limit: of many terms more splits than can be tried.
 Orders take_poles_away(OrderCandidates& candidates, Orders orders, const Orders& min_orders,
                        double limit_db) {
   SplitSearch search(candidates, min_orders, limit_db);
-  while (auto fewer = search.find(std::accumulate(orders.begin(), orders.end(), -1))) orders = *fewer;
-  return orders;
+  while (true) {
+    auto fewer = drop_one_pole(candidates, orders, min_orders, limit_db);
+    if (!fewer) fewer = search.find(std::accumulate(orders.begin(), orders.end(), -1));
+    if (!fewer) return orders;
+    orders = *fewer;
+  }
 }
 
 /// Approximations of the terms, with the fewest poles in all for which the product stays within max_error_db at all

@@ -66,6 +66,18 @@ TEST(PlantFamily, EachParameterMovesByWhatIsStatedOfIt) {
   EXPECT_NEAR(family.band->to.value, 40.0, 1e-9);
 }
 
+TEST(PlantFamily, ABlockWithoutStatesHasNoCorner) {
+  const TemporaryFolder folder;
+  write_file(folder / "plant.toml",
+             "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 0.1\n"
+             "[[block]]\ntype = \"lowpass\"\ncorner_hz = 20.0\n");
+  Provenance from;
+  const PlantFamily family = read_plants({(folder / "plant.toml").string()}, {}, from);
+  ASSERT_TRUE(family.band);
+  EXPECT_NEAR(family.band->from.value, 20.0, 1e-9);
+  EXPECT_NEAR(family.band->to.value, 20.0, 1e-9);
+}
+
 TEST(PlantFamily, AGainToleranceAloneIsTwoPlantsMore) {
   const TemporaryFolder folder;
   const std::string text = ByHand().sections();

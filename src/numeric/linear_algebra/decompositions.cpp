@@ -42,6 +42,7 @@ SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a) {
 }
 
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& a) {
+  if (a.size() == 0) return {};
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(a, false);
   if (solver.info() != Eigen::Success) return {};
   return solver.eigenvalues();

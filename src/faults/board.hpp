@@ -31,7 +31,7 @@ struct Prediction {
   Eigen::VectorXcd reference;
 };
 
-/// A board with certain faults, asked for what further ones would make of it.
+/// A board with certain faults, asked for what further ones would make of it, by one thread at a time.
 class ChangedBoard {
  public:
   virtual ~ChangedBoard() = default;

@@ -7,6 +7,31 @@
 
 namespace bodesmith::faults {
 
+/// One board that is set up once: from one further fault to the next only the CAMs that change are made anew.
+class PlanBoard::Changed final : public ChangedBoard {
+ public:
+  Changed(const PlanBoard& board, const Effect& first)
+      : of_(board),
+        first_(first),
+        plan_(first.clocks.empty() ? fpaa::Plan() : board.with_clocks(first)),
+        board_(first.clocks.empty() ? board.drawn_->board() : fpaa::SwitchedBoard(plan_)) {}
+
+  Eigen::VectorXcd response(const Effect& further) const override {
+    if (!further.clocks.empty()) return of_.response(joined(first_, further));
+    board_.set_units(of_.units_of(joined(first_, further)));
+    Eigen::VectorXcd out(eigen_index(of_.grid_.size()));
+    for (std::size_t k = 0; k < of_.grid_.size(); ++k)
+      out(eigen_index(k)) = board_.gain(of_.grid_[k].rad_s());
+    return out;
+  }
+
+ private:
+  const PlanBoard& of_;
+  Effect first_;
+  fpaa::Plan plan_;  ///< of the first fault's clocks
+  mutable fpaa::SwitchedBoard board_;
+};
+
 PlanBoard::PlanBoard(const fpaa::Plan& plan, Measurement measured, const Spread& spread)
     : Board(std::move(measured)), plan_(plan), mismatch_(spread.mismatch) {
   for (const Channel& channel : this->measured().channels) {
@@ -50,18 +75,19 @@ bool PlanBoard::can_run(const Effect& effect) const {
   }
 }
 
-Eigen::VectorXcd PlanBoard::response(const Effect& effect) const {
+std::vector<double> PlanBoard::units_of(const Effect& effect) const {
   std::vector<double> units = drawn_->nominal_units();
   for (const auto& [capacitor, value] : effect.units) units[capacitor] = value;
   for (double& n : units) n = mismatch_.drawn(n, 0.0);
-  std::vector<Complex> got;
-  if (effect.clocks.empty()) {
-    got = drawn_->response(units);
-  } else {
-    const fpaa::Plan plan = with_clocks(effect);
-    got = fpaa::DrawnBoard(plan, grid_).response(units);
-  }
-  return Eigen::Map<const Eigen::VectorXcd>(got.data(), eigen_index(got.size()));
+  return units;
+}
+
+Eigen::VectorXcd PlanBoard::response(const Effect& effect) const {
+  return Changed(*this, effect).response({});
+}
+
+std::unique_ptr<ChangedBoard> PlanBoard::changed_by(const Effect& effect) const {
+  return std::make_unique<Changed>(*this, effect);
 }
 
 Prediction PlanBoard::predict(const Effect& effect) const {

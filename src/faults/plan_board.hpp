@@ -20,6 +20,7 @@ class PlanBoard : public Board {
   /// Slopes are those of the good board: mismatch is small.
   Prediction predict(const Effect& effect) const override;
   Eigen::VectorXcd response(const Effect& effect) const override;
+  std::unique_ptr<ChangedBoard> changed_by(const Effect& effect) const override;
 
   // For the kinds of fault.
   const fpaa::PlanGraph& graph() const { return drawn_->graph(); }
@@ -34,7 +35,10 @@ class PlanBoard : public Board {
   std::vector<Fault> faults_of(const FaultKind& kind) const override { return kind.on_plan(*this); }
 
  private:
+  class Changed;
   fpaa::Plan with_clocks(const Effect& effect) const;
+  /// Of all capacitors.
+  std::vector<double> units_of(const Effect& effect) const;
 
   fpaa::Plan plan_;
   fpaa::MismatchModel mismatch_;

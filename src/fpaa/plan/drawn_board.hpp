@@ -35,6 +35,7 @@ class DrawnBoard {
   /// d ln H / d ln C, likewise.
   std::vector<std::vector<Complex>> sensitivities(std::span<const double> units) const;
   const PlanGraph& graph() const { return board_.graph(); }
+  const SwitchedBoard& board() const { return board_; }
   /// Where the first-order variance of the response is largest over the grid, each capacitor's share of it, largest first.
   struct Share {
     std::string capacitor;

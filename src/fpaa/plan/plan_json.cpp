@@ -119,13 +119,17 @@ std::vector<std::vector<double>> numerators_from(const Node& node) {
   return out;
 }
 
-PlacedCam cam_from(const Node& node) {
+PlacedCam cam_from(const Node& node, Hertz master_clock) {
   PlacedCam cam;
   cam.name = node.at("name").string();
   cam.cam = &cam_type_from(node.at("cam"));
   cam.option = node.string_or("option", "");
   cam.cab = static_cast<int>(node.at("cab").integer(1, kCabs));
   cam.clock_a = {node.at("clock_a_hz").positive()};
+  if (cam.clock_a > master_clock)
+    node.at("clock_a_hz")
+        .fail(fmt::format("is {}, expected at most the master clock's {:g}", cam.clock_a.value,
+                          master_clock.value));
   cam.clock_index =
       node.has("chip_clock") ? static_cast<int>(node.at("chip_clock").integer(0, kClocks - 1)) : 0;
   cam.phase = node.has("phase") ? static_cast<int>(node.at("phase").integer(1, 2)) : 1;
@@ -195,7 +199,7 @@ ChipPlan chip_from(const Node& node, const Board& board) {
   out.chip = static_cast<int>(node.at("chip").integer(1, board.chips));
   out.master_clock = {node.at("master_clock_hz").positive()};
   out.clocks = clocks_from(node);
-  for (const Node& cam : node.at("cams").items()) out.cams.push_back(cam_from(cam));
+  for (const Node& cam : node.at("cams").items()) out.cams.push_back(cam_from(cam, board.master_clock));
   if (node.has("pins")) {
     for (const auto& [pin, cell] : node.at("pins").members()) out.pins[pin] = cell.string();
   }

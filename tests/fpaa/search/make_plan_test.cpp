@@ -121,6 +121,9 @@ TEST(MakePlan, JsonReadsBack) {
     EXPECT_EQ(read.gain(Hertz{f}.rad_s()), written.gain(Hertz{f}.rad_s()));
     EXPECT_EQ(read.sampled(Hertz{f}.rad_s()), written.sampled(Hertz{f}.rad_s()));
   }
+  // A clock that no divisor makes: its edges within another clock's period would fill any memory.
+  json["chips"][0]["cams"][0]["clock_a_hz"] = 1e15;
+  EXPECT_THROW(Plan::from_node(parse_json(to_text(json), "plan.json")), InputError);
 }
 
 TEST(MakePlan, TotalSignAndGainAreKept) {

@@ -8,11 +8,11 @@
 #include "chain/model_file.hpp"
 #include "functions.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/measured_response.hpp"
 #include "gap/report/files.hpp"
 #include "hysteresis/model_type.hpp"
 #include "identify/record_findings.hpp"
 #include "records.hpp"
+#include "signal/bode_points.hpp"
 
 namespace bodesmith::python {
 namespace {
@@ -51,7 +51,7 @@ gap::Study study_of(const Call& call, const chain::Chain& base) {
     expect_outputs(holdout, 0.0);
     return gap::Study::of(std::move(data), std::move(holdout), base);
   }
-  std::vector<gap::MeasuredResponse> data, holdout;
+  std::vector<FrequencyRecord> data, holdout;
   for (long i = 0; i < o.at("responses").integer(0, 1000); ++i)
     data.emplace_back(response_of(call, fmt::format("_data{}", i)));
   for (long i = 0; i < (o.has("held_out_responses") ? o.at("held_out_responses").integer(0, 1000) : 0); ++i)

@@ -24,7 +24,7 @@ Json json_of(const GapSize& s) {
 Json json_of(const std::vector<Cell>& cells) {
   Json all = Json::array();
   for (const auto& c : cells) {
-    all.push_back({{"axis", to_string(c.axis)},
+    all.push_back({{"axis", words_of(c.axis).name},
                    {"from", c.from},
                    {"to", c.to},
                    {"share", c.share},

@@ -107,45 +107,16 @@ Scene scene_of(const Model& model, const Experiments& train) {
   return scene;
 }
 
-/// The peaks that stand out most from the valleys between them and higher ground.
-std::vector<std::size_t> most_prominent(const std::vector<double>& v) {
-  const std::size_t n = v.size();
-  std::vector<std::pair<double, std::size_t>> peaks;
-  for (std::size_t i = 1; i + 1 < n; ++i) {
-    if (v[i] < v[i - 1] || !(v[i] > v[i + 1])) continue;
-    double left = v[i];
-    for (std::size_t k = i; k-- > 0 && v[k] <= v[i];) left = std::min(left, v[k]);
-    double right = v[i];
-    for (std::size_t k = i + 1; k < n && v[k] <= v[i]; ++k) right = std::min(right, v[k]);
-    peaks.emplace_back(v[i] - std::max(left, right), i);
-  }
-  std::sort(peaks.rbegin(), peaks.rend());
-  std::vector<std::size_t> out;
-  for (std::size_t k = 0; k < std::min(kMostFound, peaks.size()); ++k) out.push_back(peaks[k].second);
-  return out;
-}
-
-Scene scene_of(const Model& model, const FrequencyExperiment& experiment, const Experiments& train) {
+Scene scene_of(const Model& model, const FrequencyExperiment& experiment) {
   Scene scene;
   scene.model = &model;
   scene.frequency_only = true;
-  const auto& f = experiment.record().frequency;
-  scene.low_hz = f.front().value;
-  scene.top_hz = f.back().value;
-  scene.band_hz = f[f.size() / 2].value;
+  scene.frequency = experiment.record().frequency;
+  scene.low_hz = scene.frequency.front().value;
+  scene.top_hz = scene.frequency.back().value;
+  scene.band_hz = scene.frequency[scene.frequency.size() / 2].value;
   scene.duration_s = 1.0 / scene.low_hz;
   scene.step_s = 0.5 / scene.top_hz;
-  scene.frequency = f;
-  scene.weights = experiment.weights();
-  const auto chain = model.chain();
-  for (std::size_t i = 0; i < f.size(); ++i) {
-    const auto h = chain.response(f[i].rad_s());
-    scene.measured_over_model.push_back(h ? experiment.record().response[i] / *h : 1.0);
-  }
-  const auto e = residuals_of(model, train);
-  std::vector<double> excess;
-  for (std::size_t i = 0; i < f.size(); ++i) excess.push_back(-e[2 * i]);
-  for (std::size_t at : most_prominent(excess)) scene.residual_peaks_hz.push_back(f[at].value);
   return scene;
 }
 
@@ -194,7 +165,7 @@ std::vector<std::size_t> Scene::base_places() const {
 
 Scene make_scene(const Model& model, const Experiments& train, std::function<bool()> late) {
   const auto* response = std::get_if<FrequencyExperiment>(&train.front());
-  auto scene = response != nullptr ? scene_of(model, *response, train) : scene_of(model, train);
+  auto scene = response != nullptr ? scene_of(model, *response) : scene_of(model, train);
   scene.records = train.size();
   scene.late = std::move(late);
   return scene;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <complex>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -55,12 +54,8 @@ struct Scene {
   std::vector<Signal> boundary;           ///< in front of each block, the last one: the output
   std::vector<double> residual;           ///< measured - model, whole record
   std::vector<double> residual_peaks_hz;  ///< strongest frequencies of the residual
-  // Of a response, a point each: where it was measured, and what over the present model.
-  std::vector<Hertz> frequency;
-  std::vector<std::complex<double>> measured_over_model;
-  std::vector<double> weights;  ///< FrequencyExperiment::weights
-  int threads = 1;              ///< for looks that take long
-  std::function<bool()> late;   ///< true: the time for proposals is over; empty: it has no end
+  std::vector<Hertz> frequency;           ///< where a response was measured
+  std::function<bool()> late;             ///< true: the time for proposals is over; empty: it has no end
 
   /// One boundary of each class of places that a linear effect cannot tell apart.
   std::vector<std::size_t> linear_places() const;

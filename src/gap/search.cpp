@@ -54,7 +54,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   records = make_records(train, result.initial);
   Model model = refit_base(setting, records, result.initial);
   // A second time, as values far off may still be on their way.
-  if (leave_out_wrong_starts(options, records, model))
+  if (leave_out_wrong_starts(records, model))
     model = fit_in_turn(setting, records, refit_base(setting, records, result.initial)).model;
   records.stretches = stretches_of(records.train, model);
   result.base = model;

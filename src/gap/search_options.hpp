@@ -47,8 +47,7 @@ struct SearchOptions {
   std::function<bool()> stop;            ///< true: keep the best so far and return
   std::function<bool()> late;            ///< true: judge what has been fitted, and begin nothing new
 
-  bool all_starts_scored = false;  ///< whatever stands out there [2]
-  DriveRequest drive;              ///< what experiment.csv may be
+  DriveRequest drive;  ///< what experiment.csv may be
 
   bool stopped() const { return stop && stop(); }
   bool is_late() const { return stopped() || (late && late()); }

@@ -54,7 +54,7 @@ auto content_of(const TimeRecord& record) {
   return std::tie(record.u, record.y);
 }
 
-std::vector<std::array<double, 3>> content_of(const MeasuredResponse& record) {
+std::vector<std::array<double, 3>> content_of(const FrequencyRecord& record) {
   std::vector<std::array<double, 3>> all;
   for (std::size_t i = 0; i < record.frequency.size(); ++i)
     all.push_back({record.frequency[i].value, record.response[i].real(), record.response[i].imag()});
@@ -116,7 +116,7 @@ Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, c
   return study;
 }
 
-Study Study::of(std::vector<MeasuredResponse> data, std::vector<MeasuredResponse> holdout,
+Study Study::of(std::vector<FrequencyRecord> data, std::vector<FrequencyRecord> holdout,
                 const chain::Chain& base) {
   Study study;
   study.split_ = holdout.empty();
@@ -148,7 +148,7 @@ Study Study::read(const std::vector<std::filesystem::path>& data,
     auto train = all_of(data, read);
     return of(std::move(train), all_of(holdout, read), base);
   };
-  if (frequency) return study_by([&](const auto& path) { return MeasuredResponse::read_csv(path, from); });
+  if (frequency) return study_by([&](const auto& path) { return FrequencyRecord::read_csv(path, from); });
   return study_by([&](const auto& path) { return TimeRecord::read_csv(path, from, true); });
 }
 

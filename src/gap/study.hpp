@@ -19,7 +19,7 @@ class Study {
                     const std::vector<std::filesystem::path>& holdout, const chain::Chain& base,
                     Provenance& from);
   static Study of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, const chain::Chain& base);
-  static Study of(std::vector<MeasuredResponse> data, std::vector<MeasuredResponse> holdout,
+  static Study of(std::vector<FrequencyRecord> data, std::vector<FrequencyRecord> holdout,
                   const chain::Chain& base);
 
   const Experiments& train() const { return train_; }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
@@ -11,6 +12,20 @@
 #include "signal/csv.hpp"
 
 namespace bodesmith {
+namespace {
+
+/// Empty where there is no such column. Its values are `least` or more.
+std::vector<double> optional_column(const Csv& csv, std::string_view name, double least) {
+  if (!csv.has(name)) return {};
+  const auto& values = csv.column(name);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(values[i] >= least))
+      csv.fail(i, fmt::format("{} is {}, expected {:g} or more", name, values[i], least));
+  }
+  return values;
+}
+
+}  // namespace
 
 BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& from) {
   const Csv csv = Csv::read(path, from, formats::Content::response);
@@ -61,6 +76,8 @@ FrequencyRecord FrequencyRecord::read_csv(const std::filesystem::path& path, Pro
   const auto& magnitude = csv.column(column::magnitude_db);
   const auto& phase = csv.column(column::phase_deg);
   if (csv.has(column::coherence)) record.coherence = csv.column(column::coherence);
+  record.averages = optional_column(csv, "averages", 1.0);
+  record.drive_v = optional_column(csv, "drive_v", 1e-12);
   for (std::size_t i = 0; i < csv.rows(); ++i) {
     if (!above_zero(frequency[i]))
       csv.fail(i, fmt::format("frequency_hz is {}, expected above {}", frequency[i],
@@ -76,6 +93,22 @@ FrequencyRecord FrequencyRecord::read_csv(const std::filesystem::path& path, Pro
     record.response.push_back(std::polar(gain, to_radians(phase[i])));
   }
   return record;
+}
+
+FrequencyRecord FrequencyRecord::thinned(std::size_t first, std::size_t stride) const {
+  FrequencyRecord part;
+  part.file = file;
+  const auto keep = [](const auto& all, std::size_t i, auto& kept) {
+    if (!all.empty()) kept.push_back(all[i]);
+  };
+  for (std::size_t i = first; i < frequency.size(); i += stride) {
+    keep(frequency, i, part.frequency);
+    keep(response, i, part.response);
+    keep(coherence, i, part.coherence);
+    keep(averages, i, part.averages);
+    keep(drive_v, i, part.drive_v);
+  }
+  return part;
 }
 
 }  // namespace bodesmith

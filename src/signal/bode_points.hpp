@@ -30,15 +30,22 @@ struct BodePoints {
   static BodePoints read_csv(const std::filesystem::path& path, Provenance& from);
 };
 
-/// A measured frequency response.
+/// A measured frequency response with what may be known of how it was taken.
 struct FrequencyRecord {
   std::string file;
   std::vector<Hertz> frequency;
   std::vector<Complex> response;
-  std::vector<double> coherence;  ///< empty, or one value in [0, 1] a row
+  // Empty, or one value a row:
+  std::vector<double> coherence = {};  ///< in [0, 1]
+  std::vector<double> averages = {};   ///< over how many measurements the coherence was taken
+  std::vector<double> drive_v = {};    ///< the input's amplitude
 
-  /// CSV `frequency_hz,magnitude_db,phase_deg` (optional `coherence`); frequencies rising and above 0.
+  /// CSV `frequency_hz,magnitude_db,phase_deg` (optional `coherence`, `averages` of 1 or more, `drive_v` above 0); frequencies rising and
+  /// above 0.
   static FrequencyRecord read_csv(const std::filesystem::path& path, Provenance& from);
+
+  /// Every `stride`-th point from number `first` on, with all of its columns.
+  FrequencyRecord thinned(std::size_t first, std::size_t stride) const;
 };
 
 }  // namespace bodesmith

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gap/made_model.hpp"
-#include "gap/measured_response.hpp"
 #include "numeric/random.hpp"
+#include "signal/bode_points.hpp"
 
 namespace made {
 
@@ -25,11 +25,10 @@ inline Complex lag(double hz, double corner_hz) {
 }
 
 /// A response over log frequency with relative noise `noise(hz)` in each part.
-inline bodesmith::gap::MeasuredResponse measured(const Response& h, double from_hz, double to_hz, int count,
-                                                 const std::function<double(double)>& noise,
-                                                 std::uint64_t seed) {
+inline bodesmith::FrequencyRecord measured(const Response& h, double from_hz, double to_hz, int count,
+                                           const std::function<double(double)>& noise, std::uint64_t seed) {
   bodesmith::Random random(seed);
-  bodesmith::gap::MeasuredResponse out;
+  bodesmith::FrequencyRecord out;
   out.file = "made.csv";
   for (int i = 0; i < count; ++i) {
     const double hz = from_hz * std::pow(to_hz / from_hz, i / (count - 1.0));

@@ -6,7 +6,7 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/effects/mode_starts.hpp"
+#include "gap/effects/modes.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -43,11 +43,10 @@ struct ModePlace {
   }
 };
 
-/// Of a time record: where the residual has its peaks, of either sign.
-Starts starts_at_peaks(const Scene& scene) {
+/// Of either sign.
+Starts mode_starts(const Scene& scene) {
   Starts starts;
-  for (double hz : scene.residual_peaks_hz) {
-    if (!(hz > 0.0) || hz > 0.95 * scene.top_hz) continue;
+  for (double hz : mode_frequencies_hz(scene)) {
     for (double damping : {0.02, 0.1}) {
       for (double gain : {0.2, -0.2}) starts.push_back({hz, damping, gain});
     }
@@ -70,11 +69,10 @@ std::optional<int> parallel_resonator(const Model& model, int block) {
 
 void add_proposal(const Scene& scene, Model model, int block, std::optional<int> resonator,
                   const std::string& placed, std::vector<Proposal>& out) {
-  const auto& modes = model.block(block);
-  const auto gains = modes.list(kShares);
+  const auto gains = model.block(block).list(kShares);
   const auto unused = std::find(gains.begin(), gains.end(), 0.0);
   const ModePlace place{block, static_cast<std::size_t>(unused - gains.begin()), resonator};
-  auto starts = scene.frequency_only ? mode_starts(scene, modes) : starts_at_peaks(scene);
+  auto starts = mode_starts(scene);
   if (starts.empty()) return;
   Term term;
   term.placed = placed;

@@ -1,29 +1,18 @@
-#include <cmath>
-
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/effects/mode_starts.hpp"
+#include "gap/effects/modes.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 void propose_resonance(const Scene& scene, std::vector<Proposal>& out) {
+  auto frequencies = mode_frequencies_hz(scene);
+  for (double factor : {0.6, 1.2, 2.0, 3.5, 6.0}) frequencies.push_back(factor * scene.band_hz);
   Starts starts;
-  auto peaks = scene.residual_peaks_hz;
-  for (double factor : {0.6, 1.2, 2.0, 3.5, 6.0}) peaks.push_back(factor * scene.band_hz);
-  for (double hz : peaks) {
+  for (double hz : frequencies) {
     if (hz > 0.95 * scene.top_hz) continue;
-    starts.push_back({hz, 0.05});
-    starts.push_back({hz, 0.4});
+    for (double damping : {0.05, 0.4}) starts.push_back({hz, damping});
     if (scene.frequency_only) starts.push_back({hz, 0.01});
-  }
-  if (scene.frequency_only) {
-    // Runs are cheap there, and a sharp mode is only seen from near by.
-    const double ratio = std::pow(1.2 * scene.top_hz / scene.low_hz, 1.0 / 39.0);
-    double hz = scene.low_hz;
-    for (int k = 0; k < 40; ++k, hz *= ratio) {
-      for (double damping : {0.01, 0.05, 0.3}) starts.push_back({hz, damping});
-    }
   }
   if (starts.empty()) return;
   // Above what is sampled it is a lag.

@@ -30,7 +30,7 @@ void propose_in_time(const Scene& scene, std::vector<Proposal>& out) {
   const std::vector<std::size_t> places = scene.static_places();
   const RedNoise noise = places.empty() ? RedNoise() : most_likely_red_noise({scene.residual});
   std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
-  parallel_for(found.size(), scene.threads, [&](std::size_t i) {
+  parallel_for(found.size(), allowed_threads(), [&](std::size_t i) {
     const std::size_t at = places[i / 2];
     const bool half = i % 2 == 1;
     found[i] = clocks_of_hold(scene, at, half);

@@ -36,14 +36,6 @@ std::vector<std::span<double>> by_record(const Experiments& train, std::span<dou
   return parts;
 }
 
-/// The noise that a rest is taken for, and how likely it is so.
-struct Noise {
-  double log_likelihood = 0.0;
-  RedNoise red;       ///< of time records
-  double size = 0.0;  ///< of white noise: responses, and rests of rounding
-  bool white = false;
-};
-
 /// Degrees of freedom of the innovations' distribution: tails as those of corners and jumps that a model leaves. With 8 they count
 /// for more, and smooth lags win over what limits a rate; with infinitely many (Gauss) far more.
 constexpr double kDegrees = 4.0;
@@ -67,35 +59,23 @@ double log_of_students_t(std::span<const double> values) {
          0.5 * (kDegrees + 1.0) * sum;
 }
 
-Noise noise_of(const Experiments& train, std::span<double> rest) {
+/// The noise that a rest is taken for, and how likely it is so. Responses, and rests of rounding, are white.
+RedNoise noise_of(const Experiments& train, std::span<double> rest) {
   const double n = static_cast<double>(rest.size());
   const double least = kLeastRest * largest_range(train);
   const double size = std::max(rms({rest.begin(), rest.end()}), least);
-  if (are_responses(train) || size <= least) {
-    const double log_likelihood = -0.5 * n * (1.0 + std::log(2.0 * std::numbers::pi * size * size));
-    return {log_likelihood, {}, size, true};
-  }
+  const double log_of_gauss = -0.5 * n * (1.0 + std::log(2.0 * std::numbers::pi));
+  RedNoise white{.log_likelihood = log_of_gauss - n * std::log(size), .driving_variance = size * size};
+  if (are_responses(train) || size <= least) return white;
   std::vector<std::span<const double>> parts;
   for (const auto& part : by_record(train, rest)) parts.emplace_back(part);
-  Noise noise;
-  noise.red = most_likely_red_noise(parts, kLongestNoise);
-  std::vector<double> white(rest.begin(), rest.end());
-  for (const auto& part : by_record(train, white)) whiten(part, noise.red);
-  const double log_of_gauss = -0.5 * n * (1.0 + std::log(2.0 * std::numbers::pi));
+  RedNoise red = most_likely_red_noise(parts, kLongestNoise);
+  std::vector<double> innovations(rest.begin(), rest.end());
+  for (const auto& part : by_record(train, innovations)) whiten(part, red);
   // Colour has two unknowns of its own (Schwarz).
-  noise.log_likelihood =
-      noise.red.log_likelihood - log_of_gauss + log_of_students_t(white) - std::log(std::max(n, 1.0));
-  const double without_colour = log_of_students_t(rest);
-  if (without_colour >= noise.log_likelihood) return {without_colour, {}, size, true};
-  return noise;
-}
-
-void whiten_all(const Noise& noise, const Experiments& train, std::vector<double>& column) {
-  if (noise.white) {
-    for (double& v : column) v /= noise.size;
-    return;
-  }
-  for (const auto& part : by_record(train, column)) whiten(part, noise.red);
+  red.log_likelihood += log_of_students_t(innovations) - log_of_gauss - std::log(std::max(n, 1.0));
+  white.log_likelihood = log_of_students_t(rest);
+  return white.log_likelihood >= red.log_likelihood ? white : red;
 }
 
 /// Typical changes (Unknown::scale) within which a linear unknown lies beforehand, where its range is wider: with twice as many an
@@ -130,7 +110,7 @@ double occam_of_lines(const Model& model, const Experiments& train, double rest_
   return sum;
 }
 
-double occam(const Model& model, const Experiments& train, const Noise& noise) {
+double occam(const Model& model, const Experiments& train, const RedNoise& noise) {
   const auto unknowns = model.unknowns();
   Eigen::MatrixXd columns = sensitivities(model, train);
   for (Index k = 0; k < columns.cols(); ++k) {
@@ -138,7 +118,7 @@ double occam(const Model& model, const Experiments& train, const Noise& noise) {
     const double deviation = prior_deviation(u);
     const bool counts = is_in_use(u) && std::isfinite(deviation);
     auto column = to_vector(columns.col(k));
-    whiten_all(noise, train, column);
+    for (const auto& part : by_record(train, column)) whiten(part, noise);
     columns.col(k) = as_eigen(column) * (counts ? deviation / std::sqrt(kTemperature) : 0.0);
   }
   if (columns.cols() == 0) return 0.0;

@@ -29,8 +29,8 @@ void TimeExperiment::use(std::size_t from, std::size_t end) {
   if (from > 0) start_ = left_out_ = 0;
 }
 
-FrequencyExperiment::FrequencyExperiment(MeasuredResponse record)
-    : record_(std::make_shared<const MeasuredResponse>(std::move(record))),
+FrequencyExperiment::FrequencyExperiment(FrequencyRecord record)
+    : record_(std::make_shared<const FrequencyRecord>(std::move(record))),
       weights_(std::make_shared<const std::vector<double>>(response_weights(*record_))) {}
 
 bool are_responses(const Experiments& experiments) {

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "gap/measured_response.hpp"
+#include "signal/bode_points.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::gap {
@@ -78,9 +78,9 @@ class TimeExperiment {
 /// points of little coherence count less; the mean of the squared weights is 1, and an rms is a weighted one.
 class FrequencyExperiment {
  public:
-  explicit FrequencyExperiment(MeasuredResponse record);
+  explicit FrequencyExperiment(FrequencyRecord record);
 
-  const MeasuredResponse& record() const { return *record_; }
+  const FrequencyRecord& record() const { return *record_; }
   const std::string& file() const { return record_->file; }
   /// 1: its errors are relative.
   double range() const { return 1.0; }
@@ -93,7 +93,7 @@ class FrequencyExperiment {
   const std::vector<double>& weights() const { return *weights_; }
 
  private:
-  std::shared_ptr<const MeasuredResponse> record_;
+  std::shared_ptr<const FrequencyRecord> record_;
   std::shared_ptr<const std::vector<double>> weights_;
   bool logarithmic_ = false;
 };

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "gap/measured_response.hpp"
+#include "signal/bode_points.hpp"
 
 namespace bodesmith::gap {
 
@@ -12,12 +12,16 @@ namespace bodesmith::gap {
 // in each of the real and imaginary part (J. S. Bendat and A. G. Piersol, Random Data, 2010, table 9.6: of gain, and of
 // phase in rad).
 
+/// Instruments write four digits. A coherence that rounds to 1 does not say everything of a point, one of 0 not nothing; smaller changes of a
+/// logarithm are rounding.
+constexpr double kLastDigit = 1e-4;
+
 /// One factor a point for residuals relative to |H|: the inverse of that deviation, the mean of the squares 1. A coherence of 1 is a
 /// rounded one: none is taken to be above .9999.
 /// Empty for a record without coherence.
-std::vector<double> response_weights(const MeasuredResponse& record);
+std::vector<double> response_weights(const FrequencyRecord& record);
 
 /// What noise leaves of residuals so weighted (rms of a part), where the record says over how many averages.
-std::optional<double> noise_by_coherence(const MeasuredResponse& record);
+std::optional<double> noise_by_coherence(const FrequencyRecord& record);
 
 }  // namespace bodesmith::gap

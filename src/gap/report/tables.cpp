@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "base/text.hpp"
 #include "gap/report/figures.hpp"
@@ -12,13 +11,6 @@ namespace {
 
 std::string percent_text(double share) {
   return fmt::format("{:.1f} %", 100.0 * share);
-}
-
-std::string axis_words(Axis axis) {
-  constexpr std::array kWords = {
-      "frequency, Hz", "amplitude of the input",        "amplitude of the output",
-      "time, s",       "branch (-1 falling, 1 rising)", "harmonic of the input's period"};
-  return kWords.at(static_cast<std::size_t>(axis));
 }
 
 std::vector<std::string> size_row(const Diagnosis& d, std::string model, const GapSize& size,
@@ -59,7 +51,7 @@ report::Table cells_table(const std::vector<Cell>& cells) {
   report::Table t;
   t.head = {"axis", "from", "to", "share of the gap", "share of the record"};
   for (const auto& c : cells) {
-    t.rows.push_back({axis_words(c.axis), figure_text(c.from), figure_text(c.to), percent_text(c.share),
+    t.rows.push_back({words_of(c.axis).heading, figure_text(c.from), figure_text(c.to), percent_text(c.share),
                       percent_text(c.extent)});
   }
   return t;

@@ -128,7 +128,7 @@ Bins harmonic_bins(const std::vector<double>& e, std::size_t period) {
 Bins frequency_bins(const std::vector<double>& e, double step_s) {
   const auto p = periodogram(e, step_s);
   Bins bins;
-  double edge = 0.5 * p.bin_hz;
+  double edge = p.bin_hz / 2.0;
   std::size_t k = 0;
   while (k < p.power.size()) {
     Bin b;
@@ -145,9 +145,15 @@ Bins frequency_bins(const std::vector<double>& e, double step_s) {
   return bins;
 }
 
-std::string to_string(Axis axis) {
-  constexpr std::array kNames = {"frequency_hz", "amplitude", "amplitude", "time_s", "branch", "harmonic"};
-  return kNames.at(static_cast<std::size_t>(axis));
+const AxisWords& words_of(Axis axis) {
+  static constexpr std::array<AxisWords, 6> kWords = {
+      {{"frequency_hz", "frequency, Hz", "frequencies {} Hz"},
+       {"amplitude", "amplitude of the input", "inputs from {}"},
+       {"amplitude", "amplitude of the output", "outputs from {}"},
+       {"time_s", "time, s", "times {} s"},
+       {"branch", "branch (-1 falling, 1 rising)", "while the input is {}"},
+       {"harmonic", "harmonic of the input's period", "harmonics {}"}}};
+  return kWords.at(static_cast<std::size_t>(axis));
 }
 
 std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& residual, std::size_t from,
@@ -184,12 +190,10 @@ std::vector<Cell> where(const FrequencyRecord& record, const std::vector<double>
 }
 
 std::string to_text(const Cell& c) {
-  constexpr std::array kWords = {"frequencies {} Hz", "inputs from {}",        "outputs from {}",
-                                 "times {} s",        "while the input is {}", "harmonics {}"};
   std::string stretch = rounded_text(c.from, 3) + " to " + rounded_text(c.to, 3);
   if (c.axis == Axis::branch)
     stretch = c.from < c.to ? "changing" : c.to > 0.0 ? "rising" : c.to < 0.0 ? "falling" : "resting";
-  return fmt::format(fmt::runtime(kWords.at(static_cast<std::size_t>(c.axis))), stretch) +
+  return fmt::format(fmt::runtime(words_of(c.axis).stretch), stretch) +
          fmt::format(" ({:.0f} % of it)", 100.0 * c.share);
 }
 

@@ -24,8 +24,12 @@ enum class Axis {
   branch,     ///< 1: input rising, -1: falling, 0: at rest
   harmonic,   ///< of the input's period (only for periodic inputs)
 };
-/// "frequency_hz", "amplitude" (of either), "time_s", "branch" or "harmonic", as in diagnosis.json.
-std::string to_string(Axis axis);
+struct AxisWords {
+  const char* name;     ///< as in diagnosis.json
+  const char* heading;  ///< of a table
+  const char* stretch;  ///< {}: of it
+};
+const AxisWords& words_of(Axis axis);
 
 /// A stretch of an axis and the share of the gap (mean square of the residual) that lies in it.
 struct Cell {

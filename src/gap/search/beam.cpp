@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "base/text.hpp"
@@ -57,7 +59,7 @@ PlacedSet without_term(const SearchSetting& setting, const SearchRecords& record
 /// A set with its starts looked at again and all of it settled; the beam's records follow, and its best set is weighed again by them.
 PlacedSet settled(const SearchSetting& setting, Beam& beam, PlacedSet set) {
   set.model = fit_in_turn(setting, beam.records, std::move(set.model)).model;
-  if (leave_out_wrong_starts(setting.options, beam.records, set.model))
+  if (leave_out_wrong_starts(beam.records, set.model))
     set.model = fit_in_turn(setting, beam.records, std::move(set.model)).model;
   score_starts_again(setting, beam.records, set.model);
   beam.records.stretches = stretches_of(beam.records.train, set.model);
@@ -117,13 +119,13 @@ PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, Pl
   return set;
 }
 
-/// By the names of a set and the one whose place was tried against all others: what stood there in the end, and the set's evidence with it.
-/// Many ways lead to the same sets.
+/// What was tried in one name's place alongside the others, by how much was scored, the others' names and that one; and the set's evidence
+/// with it. Many ways lead to the same sets.
 struct Exchanged {
   PlacedSet::Rivals rivals;
   double log_evidence = 0.0;
 };
-using Exchanges = std::map<std::multiset<std::string>, Exchanged>;
+using Exchanges = std::map<std::tuple<std::size_t, std::multiset<std::string>, std::string>, Exchanged>;
 
 /// The set with another effect in the place of one, where that is of greater evidence; each place is tried against all effects,
 /// alongside the others as they stand.
@@ -134,10 +136,10 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     // The round that it was just chosen in looked at all there is.
     if (last_is_fresh && k + 1 == count_of(set)) continue;
     PlacedSet others = without(set, k);
-    auto names = names_of(set.model);
-    names.insert("without " + std::string(set.model.terms()[k].effect->name()));
-    auto& before = exchanges[names];
-    if (!before.rivals.ranking.empty() && set.log_evidence <= before.log_evidence + kTied) {
+    auto& before = exchanges[{scored_samples(records.train), names_of(others.model),
+                              std::string(set.model.terms()[k].effect->name())}];
+    // As long as the others' values are as good as they were: by less than what sets one name apart from another.
+    if (!before.rivals.ranking.empty() && set.log_evidence < before.log_evidence - std::log(kTied)) {
       set.rivals[k] = before.rivals;
       continue;
     }

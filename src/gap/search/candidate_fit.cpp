@@ -102,13 +102,13 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
                                                   const std::vector<Promising>& candidates) {
   const auto& options = setting.options;
   std::vector<std::optional<FittedModel>> begun(candidates.size());
-  parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
+  parallel_for(candidates.size(), allowed_threads(), [&](std::size_t i) {
     if (!options.is_late()) begun[i] = begun_fit(setting, records, candidates[i]);
   });
   double leader = std::numeric_limits<double>::infinity();
   for (const auto& fitted : begun) leader = std::min(leader, fitted ? fitted->rms : leader);
   std::vector<std::optional<Ranked>> ranked(candidates.size());
-  parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
+  parallel_for(candidates.size(), allowed_threads(), [&](std::size_t i) {
     if (!begun[i]) return;
     auto r = ended_fit(setting, records, candidates[i], std::move(*begun[i]), leader);
     if (std::isfinite(r.train_rms)) ranked[i] = std::move(r);

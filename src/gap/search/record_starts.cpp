@@ -23,9 +23,8 @@ int starts_left_out(SearchRecords& records) {
 }
 
 /// Whether the residual of a whole record is plainly larger at its start than in the rest.
-bool stands_out_at_start(const SearchOptions& options, const Model& model, const TimeExperiment& record) {
+bool stands_out_at_start(const Model& model, const TimeExperiment& record) {
   const std::size_t start = record.start();
-  if (options.all_starts_scored) return false;
   TimeExperiment whole(record);
   whole.score_start();
   const auto all = residuals_of(model, {whole});
@@ -36,10 +35,10 @@ bool stands_out_at_start(const SearchOptions& options, const Model& model, const
 
 }  // namespace
 
-bool leave_out_wrong_starts(const SearchOptions& options, SearchRecords& records, const Model& model) {
+bool leave_out_wrong_starts(SearchRecords& records, const Model& model) {
   bool found = false;
   for_each_time_record(records, [&](TimeExperiment& e) {
-    if (e.start_is_left_out() || e.start() == 0 || !stands_out_at_start(options, model, e)) return;
+    if (e.start_is_left_out() || e.start() == 0 || !stands_out_at_start(model, e)) return;
     e.leave_out_start();
     found = true;
   });
@@ -54,7 +53,7 @@ void score_starts_again(const SearchSetting& setting, SearchRecords& records, Mo
   Model refitted = fit_in_turn(setting, all_scored, model).model;
   // Those that stand out even now stay left out.
   for_each_time_record(records, [&](TimeExperiment& e) {
-    if (e.start_is_left_out() && !stands_out_at_start(setting.options, refitted, e)) e.score_start();
+    if (e.start_is_left_out() && !stands_out_at_start(refitted, e)) e.score_start();
   });
   if (starts_left_out(records) < before) model = fit_in_turn(setting, records, std::move(refitted)).model;
 }

@@ -8,7 +8,7 @@ namespace bodesmith::gap {
 // otherwise, the residual stands out there, whatever else is missing: that start is no longer scored.
 
 /// Leaves out the starts that stand out under the model; whether there are more of them than before.
-bool leave_out_wrong_starts(const SearchOptions& options, SearchRecords& records, const Model& model);
+bool leave_out_wrong_starts(SearchRecords& records, const Model& model);
 
 /// What stood out at a start may have been the missing effect itself. With a better model the starts are
 /// tried again: those that now fit as well as the rest are scored, and the model is refitted.

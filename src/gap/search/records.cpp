@@ -13,8 +13,6 @@ namespace {
 /// Of a fit. With 30 flat forms (a fractional order, a spectrum of relaxations) end before their least and are taken for each other; twice as
 /// many take as much longer.
 constexpr int kIterations = 40;
-/// Beyond them the search would take longer than it may.
-constexpr std::size_t kMostHolds = 8;
 
 }  // namespace
 
@@ -41,7 +39,8 @@ std::size_t enough_holds(const Model& model, const Experiments& train) {
     return residuals_of(model, records);
   };
   std::size_t holds = holds_of(train);
-  for (std::vector<double> now = residuals(holds); holds < kMostHolds; holds *= 2) {
+  std::vector<double> now = residuals(holds);
+  for (std::size_t doubled = 0; doubled < kFew; ++doubled, holds *= 2) {
     std::vector<double> finer = residuals(2 * holds);
     if (now.size() != finer.size()) break;
     for (std::size_t i = 0; i < now.size(); ++i) now[i] -= finer[i];

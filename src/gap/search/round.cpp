@@ -46,7 +46,7 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
                         std::vector<Ranked>& ranking) {
   const auto& options = setting.options;
   const std::size_t leaders = std::min(kFew, ranking.size());
-  parallel_for(leaders, options.threads, [&](std::size_t i) {
+  parallel_for(leaders, allowed_threads(), [&](std::size_t i) {
     if (options.is_late()) return;
     auto fitted = fit(ranking[i].model, records.train, few_steps(options));
     if (!fitted.usable()) return;
@@ -56,8 +56,8 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
 }
 
 /// What each is called beforehand, and the evidence of all but those far behind the best that is a name.
-void weigh(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
-  parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
+void weigh(const SearchRecords& records, std::vector<Ranked>& ranking) {
+  parallel_for(ranking.size(), allowed_threads(), [&](std::size_t i) {
     auto& r = ranking[i];
     const std::size_t last = r.model.terms().size() - 1;
     Model without = r.model;
@@ -72,7 +72,7 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
   for (const auto& r : ranking) {
     if (r.outcome != CandidateOutcome::no_name) best = std::min(best, r.train_rms);
   }
-  parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
+  parallel_for(ranking.size(), allowed_threads(), [&](std::size_t i) {
     auto& r = ranking[i];
     if (r.outcome != CandidateOutcome::no_name && r.train_rms <= kFarMore * best)
       r.log_evidence = log_evidence(r.model, records.train);
@@ -93,7 +93,7 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
     std::stable_sort(ranking.begin(), ranking.end(), by_rms);
   }
   if (ranking.empty()) return ranking;
-  weigh(setting, records, ranking);
+  weigh(records, ranking);
   std::stable_sort(ranking.begin(), ranking.end(), more_evident);
   return ranking;
 }
@@ -102,21 +102,20 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
 
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
                                   const Model& model) {
-  auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
-  scene.threads = setting.options.threads;
+  const auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
   std::vector<const Effect*> effects;
   for (const auto* effect : effect_registry().all()) {
     if (!scene.frequency_only || effect->facts().linear) effects.push_back(effect);
   }
   std::vector<std::vector<Proposal>> of_each(effects.size());
-  parallel_for(effects.size(), setting.options.threads,
+  parallel_for(effects.size(), allowed_threads(),
                [&](std::size_t i) { effects[i]->propose(scene, of_each[i]); });
   std::vector<Proposal> proposals;
   for (auto& own : of_each) std::move(own.begin(), own.end(), std::back_inserter(proposals));
   std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
   std::map<const Effect*, std::size_t> places;
   for (const auto& p : proposals) ++places[p.term().effect];
-  auto promising = shortlist(model, std::move(proposals), records.look(), setting.options.threads);
+  auto promising = shortlist(model, std::move(proposals), records.look());
   for (auto& p : promising) p.places = places[p.proposal.term().effect];
   return promising;
 }

@@ -89,8 +89,8 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
 
 }  // namespace
 
-std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> proposals, const Experiments& look,
-                                 int threads) {
+std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> proposals,
+                                 const Experiments& look) {
   auto out = residuals_of(model, look);
   std::vector<Promising> all;
   if (out.empty()) return all;
@@ -102,7 +102,7 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   present.unexplained = as_eigen(out);
   present.unexplained_energy = present.unexplained.squaredNorm();
   all.resize(proposals.size());
-  parallel_for(proposals.size(), threads, [&](std::size_t i) {
+  parallel_for(proposals.size(), allowed_threads(), [&](std::size_t i) {
     auto& p = all[i];
     try {
       const auto scores = score_starts(proposals[i], look, present);

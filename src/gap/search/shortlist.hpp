@@ -19,7 +19,7 @@ struct Promising {
 /// explain; so is what each proposal's start values change in the output, and what its unknowns would change
 /// further. The share of the residual that lies in their span is the score (a score test with the model
 /// itself as the feature). Best first.
-std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> proposals, const Experiments& look,
-                                 int threads);
+std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> proposals,
+                                 const Experiments& look);
 
 }  // namespace bodesmith::gap

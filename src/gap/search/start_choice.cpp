@@ -37,30 +37,10 @@ struct Tried {
   bool explains = true;  ///< no start stands out
 };
 
-Tried tried(const Model& model, const Experiments& train, const SearchOptions& options) {
+Tried tried(const Model& model, const Experiments& train) {
   SearchRecords records{as_searched(train), {}};
   return {rms_of(model, records.train), log_evidence(model, records.train),
-          !leave_out_wrong_starts(options, records, model)};
-}
-
-/// search(); and where that leaves a start out, once more with all starts scored: what is missing may act there
-/// most (a slew limit in the first and largest turns). What that finds counts where no start stands out any more and far less is
-/// left of the whole records.
-SearchResult search_all(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
-  auto found = search(base, train, options);
-  if (found.stopped || found.late) return found;
-  const Tried first = tried(found.final, train, options);
-  const double enough = first.rms / kFarMore;
-  if (first.explains || !(found.train_rms < enough)) return found;
-  SearchOptions scored = options;
-  scored.all_starts_scored = true;
-  auto again = search(base, train, scored);
-  if (again.stopped || again.steps.empty()) return found;
-  const Tried second = tried(again.final, train, options);
-  if (!second.explains || !(second.rms < enough)) return found;
-  again.notes.emplace_back(
-      "What is missing acts most where the records begin: their starts are part of the search");
-  return again;
+          !leave_out_wrong_starts(records, model)};
 }
 
 /// The same model from another start, refitted and not searched again.
@@ -68,7 +48,7 @@ Tried from_other_start(Model model, Start start, const Experiments& train, const
   model.set_start(start);
   const SearchSetting setting{options};
   const SearchRecords records = make_records(train, model);
-  return tried(fit_in_turn(setting, records, model).model, train, options);
+  return tried(fit_in_turn(setting, records, model).model, train);
 }
 
 }  // namespace
@@ -76,7 +56,7 @@ Tried from_other_start(Model model, Start start, const Experiments& train, const
 std::pair<SearchResult, std::optional<StartChoice>> search_from_start(const chain::Chain& base,
                                                                       const Experiments& train,
                                                                       const SearchOptions& options) {
-  if (base.start || !any_begins_under_bias(train)) return {search_all(base, train, options), std::nullopt};
+  if (base.start || !any_begins_under_bias(train)) return {search(base, train, options), std::nullopt};
   const auto at_rest = started(base, Start::equilibrium);
   const Start first = rms_of(Model(at_rest), as_searched(train)) < rms_of(Model(base), as_searched(train))
                           ? Start::equilibrium
@@ -85,13 +65,13 @@ std::pair<SearchResult, std::optional<StartChoice>> search_from_start(const chai
   const auto from = [&](Start start) { return start == Start::zero ? base : at_rest; };
   StartChoice choice{.chosen = first};
   SearchResult found = search(from(first), train, options);
-  const Tried of_first = tried(found.final, train, options);
+  const Tried of_first = tried(found.final, train);
   Tried of_other = from_other_start(found.final, other, train, options);
   const bool enough = of_first.explains && !(of_other.log_evidence > of_first.log_evidence);
   if (!enough && !found.stopped && !found.late) {
     SearchResult again = search(from(other), train, options);
     if (!again.stopped) {
-      of_other = tried(again.final, train, options);
+      of_other = tried(again.final, train);
       choice.by_search = true;
       if (of_other.log_evidence > of_first.log_evidence) {
         choice.chosen = other;

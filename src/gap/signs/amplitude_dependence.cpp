@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "gap/records/response_weights.hpp"
 #include "gap/search_options.hpp"
 #include "gap/signs/chance.hpp"
 #include "numeric/interpolated.hpp"
@@ -20,24 +21,22 @@
 namespace bodesmith::gap {
 namespace {
 
-/// The least change that is told, of the logarithm of a gain or of a peak's frequency.
-constexpr double kLeastChange = 0.005;
 /// A peak stands out by half of its power on both sides (ln of the gain).
 constexpr double kProminent = std::numbers::ln2 / 2.0;
 
-const MeasuredResponse* with_drive(const Experiment& experiment) {
+const FrequencyRecord* with_drive(const Experiment& experiment) {
   const auto* response = std::get_if<FrequencyExperiment>(&experiment);
   return response != nullptr && !response->record().drive_v.empty() ? &response->record() : nullptr;
 }
 
-double drive_of(const MeasuredResponse& record) {
+double drive_of(const FrequencyRecord& record) {
   return median(record.drive_v);
 }
 
 /// Of the least and of the largest drive; null: no drive is known.
-std::pair<const MeasuredResponse*, const MeasuredResponse*> extremes(const Experiments& experiments) {
-  const MeasuredResponse* least = nullptr;
-  const MeasuredResponse* largest = nullptr;
+std::pair<const FrequencyRecord*, const FrequencyRecord*> extremes(const Experiments& experiments) {
+  const FrequencyRecord* least = nullptr;
+  const FrequencyRecord* largest = nullptr;
   for (const auto& e : experiments) {
     const auto* record = with_drive(e);
     if (record == nullptr) continue;
@@ -53,7 +52,7 @@ struct Logarithm {
   std::vector<double> gain;
   std::vector<double> phase;
 
-  explicit Logarithm(const MeasuredResponse& record) {
+  explicit Logarithm(const FrequencyRecord& record) {
     for (std::size_t i = 0; i < record.frequency.size(); ++i) {
       at.push_back(std::log(record.frequency[i].value));
       const std::complex<double> v = std::log(record.response[i]);
@@ -114,7 +113,7 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
   out.peak_at_largest_hz = std::exp(after->at);
   // Damping moves a peak, too.
   const double moved = after->at - before->at - (after->by_damping - before->by_damping);
-  if (std::abs(moved) > std::max(kLeastChange, 0.5 * before->step))
+  if (std::abs(moved) > std::max(kLastDigit, 0.5 * before->step))
     return moved < 0.0 ? AmplitudeClass::softening_stiffness : AmplitudeClass::hardening_stiffness;
   const auto peak =
       static_cast<std::size_t>(std::min_element(at.begin(), at.end(),
@@ -198,7 +197,7 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   out.times_noise = out.change / std::sqrt(std::max(0.0, energy - together) / n);
   // Of independent errors the sum of the products of neighbours has the deviation energy/sqrt(2n).
   out.strength = together / (kDeviations * energy / std::sqrt(2.0 * n));
-  if (!(out.strength > 1.0) || out.change < kLeastChange) return std::nullopt;
+  if (!(out.strength > 1.0) || out.change < kLastDigit) return std::nullopt;
   out.kind = class_of(small, large, at, gain, out);
   return out;
 }

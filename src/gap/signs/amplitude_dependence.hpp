@@ -35,7 +35,7 @@ struct AmplitudeDependence {
   std::optional<double> peak_at_largest_hz;
 };
 
-/// Whether responses that were taken at several drives (MeasuredResponse::drive_v, the median of each record) differ by
+/// Whether responses that were taken at several drives (FrequencyRecord::drive_v, the median of each record) differ by
 /// more than their noise. Noise of separate points is not alike from one to the next; a change is. Nothing without two
 /// drives that are a twentieth apart.
 std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& experiments);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gap/measured_response.hpp"
+#include "signal/bode_points.hpp"
 #include "signal/time_record.hpp"
 
 namespace hidden {
@@ -38,7 +38,7 @@ struct Case {
   double noise_rms = 0.0;
   double effect_rms = 0.0;
   std::vector<bodesmith::TimeRecord> train, holdout;
-  std::vector<bodesmith::gap::MeasuredResponse> train_responses, holdout_responses;
+  std::vector<bodesmith::FrequencyRecord> train_responses, holdout_responses;
 };
 
 const char* to_string(World world);

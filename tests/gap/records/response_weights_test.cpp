@@ -20,7 +20,7 @@ double noise_at(double hz) {
 }
 
 /// A slow relaxation of a twentieth, below kSplitHz; the upper half of the band is noise for the most part.
-gap::MeasuredResponse half_bad(std::uint64_t seed, bool with_coherence) {
+FrequencyRecord half_bad(std::uint64_t seed, bool with_coherence) {
   const auto h = [](double hz) { return 2.0 * (1.0 + 0.05 * made::lag(hz, 20.0)); };
   auto record = made::measured(h, 5.0, 1000.0, 200, noise_at, seed);
   for (std::size_t i = 0; with_coherence && i < record.frequency.size(); ++i) {

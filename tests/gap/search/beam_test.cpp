@@ -120,7 +120,7 @@ double promise_of_a_delay(double gain) {
   const gap::Experiments look = {gap::TimeExperiment(record)};
   std::vector<gap::Proposal> proposals;
   gap::effect_registry().get("time_delay").propose(gap::make_scene(model, look), proposals);
-  return gap::shortlist(model, std::move(proposals), look, 1).front().score;
+  return gap::shortlist(model, std::move(proposals), look).front().score;
 }
 
 // As in a chain from which a term was just taken out: what refitting will explain is no reason to promise less.

@@ -33,23 +33,22 @@ bool is_left_out(const gap::Experiment& one) {
 
 TEST(RecordStarts, AreLeftOutOnceWhereTheyStandOut) {
   const gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 1.0\n"));
-  const gap::SearchOptions options;
   const double limit = gap::kOverFloor;
   gap::SearchRecords records{
       {off_at_start(0.99 * limit), off_at_start(1.01 * limit), off_at_start(1.01 * limit, 0)}, {}};
-  EXPECT_TRUE(gap::leave_out_wrong_starts(options, records, model));
+  EXPECT_TRUE(gap::leave_out_wrong_starts(records, model));
   EXPECT_FALSE(is_left_out(records.train[0]));
   EXPECT_TRUE(is_left_out(records.train[1]));
   EXPECT_FALSE(is_left_out(records.train[2]));
   // What is left out already is no news.
-  EXPECT_FALSE(gap::leave_out_wrong_starts(options, records, model));
+  EXPECT_FALSE(gap::leave_out_wrong_starts(records, model));
   EXPECT_TRUE(is_left_out(records.train[1]));
 }
 
 TEST(RecordStarts, OfARecordThatIsAllStartIsKept) {
   const gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 1.0\n"));
   gap::SearchRecords records{{off_at_start(1.0, 400)}, {}};
-  EXPECT_FALSE(gap::leave_out_wrong_starts({}, records, model));
+  EXPECT_FALSE(gap::leave_out_wrong_starts(records, model));
 }
 
 TEST(RecordStarts, AreScoredAgainUnderAModelInWhichTheyDoNotStandOut) {

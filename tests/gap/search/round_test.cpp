@@ -19,7 +19,7 @@ gap::SearchResult found_in(const made::Response& h, double noise, std::uint64_t 
 
 std::vector<std::string> names_of(const gap::SearchResult& result) {
   std::vector<std::string> names;
-  for (const auto& step : result.steps) names.emplace_back(step.effect->name());
+  for (const auto& step : result.steps) names.emplace_back(step.effect->told());
   return names;
 }
 

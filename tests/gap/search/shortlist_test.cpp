@@ -30,7 +30,7 @@ TEST(BestStarts, HaveTheOneThatLeavesLeastInSecondPlace) {
   std::vector<gap::Proposal> proposals;
   for (const char* name : {"resonance", "amplifier_pole", "slew_limit"})
     gap::effect_registry().get(name).propose(scene, proposals);
-  for (const auto& promising : gap::shortlist(model, proposals, records, 1)) {
+  for (const auto& promising : gap::shortlist(model, proposals, records)) {
     const auto left = [&](std::size_t start) {
       const auto& values = promising.proposal.starts[start];
       gap::Model at_start = promising.proposal.model;

@@ -140,35 +140,6 @@ TEST(StartChoice, NothingIsChosenWhereTheModelSaysItOrTheRecordBeginsAtZero) {
   EXPECT_LT(said.final.holdout_whole_rms, 0.004);
 }
 
-/// Triangles that shrink soon: of `slope` a sample at the most.
-std::vector<double> shrinking_triangles(int period, double slope) {
-  std::vector<double> u;
-  double limited = 0.0;
-  for (int i = 0; i < 1500; ++i) {
-    const int phase = (i + period / 4) % period;
-    const double triangle = 4.0 * std::abs(phase - period / 2) / period - 1.0;
-    const double wanted = -triangle * (0.3 + 0.7 * std::exp(-i / 80.0));
-    u.push_back(limited += std::clamp(wanted - limited, -slope, slope));
-  }
-  return u;
-}
-
-/// Through a limit of the rate that the first turns alone reach, and a lag; what was driven is told as `u`.
-TimeRecord limited_at_first(int period, double slope, unsigned seed) {
-  auto r = lagging(shrinking_triangles(period, slope), 4.0, 9.0, 0.0, seed);
-  r.u = shrinking_triangles(period, 1.0);
-  return r;
-}
-
-TEST(StartSearch, WhatTheFirstTurnsAloneShowIsNamed) {
-  const auto d =
-      diagnosed(model_of(kLag), limited_at_first(160, 0.012, 21), limited_at_first(120, 0.012, 22));
-  ASSERT_EQ(d.steps.size(), 1u);
-  EXPECT_EQ(d.steps[0].effect, "slew_limit");
-  EXPECT_EQ(d.scored_from[0].from_s, 0.0);
-  EXPECT_LT(d.final.holdout_whole_rms, 0.005);
-}
-
 // The lag's own state at the start explains all of it.
 TEST(StartSearch, AStartInMotionIsNoName) {
   for (unsigned seed = 31; seed < 34; ++seed) {

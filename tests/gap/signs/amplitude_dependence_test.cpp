@@ -31,7 +31,7 @@ made::Response saturated(double limit, double drive) {
   return [=](double hz) { return gain * made::lag(hz, 200.0); };
 }
 
-gap::MeasuredResponse at(const made::Response& h, double drive, std::uint64_t seed) {
+FrequencyRecord at(const made::Response& h, double drive, std::uint64_t seed) {
   auto record = made::measured(
       h, 10.0, 1000.0, 120, [](double) { return 0.003; }, seed);
   record.drive_v.assign(record.frequency.size(), drive);

@@ -1,4 +1,4 @@
-#include "gap/measured_response.hpp"
+#include "signal/bode_points.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,14 +16,14 @@ std::filesystem::path written(const TemporaryFolder& folder, const std::string& 
   return path;
 }
 
-TEST(MeasuredResponse, HasAveragesAndDriveWhereTheyAreGiven) {
+TEST(FrequencyRecord, HasAveragesAndDriveWhereTheyAreGiven) {
   const TemporaryFolder folder;
   Provenance from;
-  const auto plain = gap::MeasuredResponse::read_csv(
+  const auto plain = FrequencyRecord::read_csv(
       written(folder, "frequency_hz,magnitude_db,phase_deg\n1,0,0\n2,-3,-45\n"), from);
   EXPECT_TRUE(plain.averages.empty());
   EXPECT_TRUE(plain.drive_v.empty());
-  const auto full = gap::MeasuredResponse::read_csv(
+  const auto full = FrequencyRecord::read_csv(
       written(
           folder,
           "frequency_hz,magnitude_db,phase_deg,coherence,averages,drive_v\n1,0,0,1,16,0.1\n2,-3,-45,0.9,16,0.1\n"
@@ -37,12 +37,12 @@ TEST(MeasuredResponse, HasAveragesAndDriveWhereTheyAreGiven) {
   EXPECT_EQ(half.drive_v.size(), 2U);
 }
 
-TEST(MeasuredResponse, RefusesADriveOfNothing) {
+TEST(FrequencyRecord, RefusesADriveOfNothing) {
   const TemporaryFolder folder;
   Provenance from;
   const auto path = written(folder, "frequency_hz,magnitude_db,phase_deg,drive_v\n1,0,0,0.1\n2,-3,-45,0\n");
   try {
-    gap::MeasuredResponse::read_csv(path, from);
+    FrequencyRecord::read_csv(path, from);
     FAIL() << "was read";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find(":3: drive_v is 0"), std::string::npos) << error.what();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -55,6 +56,16 @@ void propose_creep(const Scene& scene, std::vector<Proposal>& out) {
         {linear_unknown("gains[0]", 0.0, 1.0, 0.05), logarithmic_unknown("time_constants_s[0]", fast, slow)},
         starts));
     out.push_back(logarithmic(scene, at, fast, slow));
+    auto many = chain::make_block("creep");
+    const std::size_t count = 8;
+    std::vector<double> times;
+    std::vector<Unknown> unknowns;
+    for (std::size_t k = 0; k < count; ++k) {
+      times.push_back(fast * std::pow(slow / fast, static_cast<double>(k) / (count - 1.0)));
+      unknowns.push_back(linear_unknown("gains[" + std::to_string(k) + "]", 0.0, 1.0, 0.05));
+    }
+    many.set("gains", std::vector<double>(count, 0.01)).set("time_constants_s", times);
+    out.push_back(insert_block(scene, at, many, unknowns));
   }
 }
 

@@ -8,11 +8,14 @@
 namespace bodesmith::gap {
 namespace {
 
+/// A coherence of 0 does not say nothing of a point, and one that rounds to 1 not everything: instruments write four digits.
+constexpr double kFromEnds = 1e-4;
+
 /// Of each point's parts, relative to |H|^2; of one average where their number is not known.
 std::vector<double> variances(const FrequencyRecord& record) {
   std::vector<double> out;
   for (std::size_t i = 0; i < record.coherence.size(); ++i) {
-    const double g = std::clamp(record.coherence[i], kLastDigit, 1.0 - kLastDigit);
+    const double g = std::clamp(record.coherence[i], kFromEnds, 1.0 - kFromEnds);
     const double n = record.averages.empty() ? 1.0 : record.averages[i];
     out.push_back((1.0 - g) / (2.0 * n * g));
   }

@@ -12,10 +12,6 @@ namespace bodesmith::gap {
 // in each of the real and imaginary part (J. S. Bendat and A. G. Piersol, Random Data, 2010, table 9.6: of gain, and of
 // phase in rad).
 
-/// Instruments write four digits. A coherence that rounds to 1 does not say everything of a point, one of 0 not nothing; smaller changes of a
-/// logarithm are rounding.
-constexpr double kLastDigit = 1e-4;
-
 /// One factor a point for residuals relative to |H|: the inverse of that deviation, the mean of the squares 1. A coherence of 1 is a
 /// rounded one: none is taken to be above .9999.
 /// Empty for a record without coherence.

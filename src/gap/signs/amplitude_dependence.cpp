@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "gap/records/response_weights.hpp"
 #include "gap/search_options.hpp"
 #include "gap/signs/chance.hpp"
 #include "numeric/interpolated.hpp"
@@ -21,6 +20,8 @@
 namespace bodesmith::gap {
 namespace {
 
+/// Changes of a gain's or a peak's logarithm that four digits round away; all larger ones are held against chance alone.
+constexpr double kRounded = 1e-4;
 /// A peak stands out by half of its power on both sides (ln of the gain).
 constexpr double kProminent = std::numbers::ln2 / 2.0;
 
@@ -113,7 +114,7 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
   out.peak_at_largest_hz = std::exp(after->at);
   // Damping moves a peak, too.
   const double moved = after->at - before->at - (after->by_damping - before->by_damping);
-  if (std::abs(moved) > std::max(kLastDigit, 0.5 * before->step))
+  if (std::abs(moved) > std::max(kRounded, 0.5 * before->step))
     return moved < 0.0 ? AmplitudeClass::softening_stiffness : AmplitudeClass::hardening_stiffness;
   const auto peak =
       static_cast<std::size_t>(std::min_element(at.begin(), at.end(),
@@ -197,7 +198,7 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   out.times_noise = out.change / std::sqrt(std::max(0.0, energy - together) / n);
   // Of independent errors the sum of the products of neighbours has the deviation energy/sqrt(2n).
   out.strength = together / (kDeviations * energy / std::sqrt(2.0 * n));
-  if (!(out.strength > 1.0) || out.change < kLastDigit) return std::nullopt;
+  if (!(out.strength > 1.0) || out.change < kRounded) return std::nullopt;
   out.kind = class_of(small, large, at, gain, out);
   return out;
 }

@@ -2,18 +2,17 @@
 # bodesmith's own: who uses them needs no package of theirs. No target where the archive lacks one of them; ${NAME}_ERROR says which.
 function(bodesmith_from_archive name archive)
   set(folder ${CMAKE_BINARY_DIR}/${name})
-  file(MAKE_DIRECTORY ${folder})
-  execute_process(COMMAND ${CMAKE_AR} x ${archive} ${ARGN} WORKING_DIRECTORY ${folder} RESULT_VARIABLE status ERROR_VARIABLE why)
+  file(MAKE_DIRECTORY ${folder}/members)
+  execute_process(COMMAND ${CMAKE_AR} x ${archive} ${ARGN} WORKING_DIRECTORY ${folder}/members RESULT_VARIABLE status ERROR_VARIABLE why)
   if(NOT status EQUAL 0)
     set(${name}_ERROR "${archive} lacks a function (${why})" PARENT_SCOPE)
     return()
   endif()
+  # Copied where they are others than before: what is configured anew is not linked anew. CMake knows an object by its .o.
   set(objects "")
   foreach(member ${ARGN})
-    string(REGEX REPLACE "[.]lo$" ".o" object ${folder}/${member})  # CMake knows an object by its .o
-    if(NOT object STREQUAL ${folder}/${member})
-      configure_file(${folder}/${member} ${object} COPYONLY)
-    endif()
+    string(REGEX REPLACE "[.]l?o$" ".o" object ${folder}/${member})
+    configure_file(${folder}/members/${member} ${object} COPYONLY)
     list(APPEND objects ${object})
   endforeach()
   add_library(bodesmith_${name} STATIC ${objects})

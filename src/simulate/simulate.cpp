@@ -55,7 +55,8 @@ Result run_automatic(const chain::Chain& chain, const TimeRecord& input, const O
     // Takes its output where it is the better one, and says so.
     const bool hidden = refined.outcome == RefinedRecord::Outcome::corners_hidden;
     if (hidden || refined.outcome == RefinedRecord::Outcome::smallest_step) {
-      auto by_events = second_opinion(chain, input, options);
+      // Only for whoever wants to know the error.
+      auto by_events = options.estimate_error ? second_opinion(chain, input, options) : std::nullopt;
       if (hidden && by_events) result.error_estimate = error_figures(result.y, by_events->y).max;
       const double record_error = *result.error_estimate;
       const bool better = by_events && *by_events->error_estimate < record_error;

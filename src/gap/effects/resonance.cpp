@@ -6,11 +6,8 @@ namespace bodesmith::gap {
 namespace {
 
 void propose_resonance(const Scene& scene, std::vector<Proposal>& out) {
-  auto frequencies = mode_frequencies_hz(scene);
-  for (double factor : {0.6, 1.2, 2.0, 3.5, 6.0}) frequencies.push_back(factor * scene.band_hz);
   Starts starts;
-  for (double hz : frequencies) {
-    if (hz > 0.95 * scene.top_hz) continue;
+  for (double hz : mode_frequencies_hz(scene, {0.6, 1.2, 2.0, 3.5, 6.0})) {
     for (double damping : {0.05, 0.4}) starts.push_back({hz, damping});
     if (scene.frequency_only) starts.push_back({hz, 0.01});
   }

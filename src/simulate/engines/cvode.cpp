@@ -252,4 +252,18 @@ class CvodeEngine final : public ChainEngine {
 
 BODESMITH_ENTRY(ChainEngine, cvode_engine, CvodeEngine)
 
+std::optional<Result> second_opinion(const chain::Chain& chain, const TimeRecord& input,
+                                     const Options& options) {
+  constexpr std::size_t kMaxSamples = 100'000;
+  if (input.size() > kMaxSamples) return std::nullopt;
+  try {
+    Result out = run_in_cvode(chain, input, options);
+    if (options.estimate_error)
+      out.error_estimate = cvode_engine().estimate_error(chain, input, options, out);
+    return out;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace bodesmith::simulate

@@ -50,8 +50,8 @@ struct RefinedRecord {
 };
 RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& input, const Options& options);
 
-/// CVODE's output and its error, where it can be had and some 100 000 samples are not too many for it: it stops at every corner of
-/// the input.
+/// CVODE's output, and its error where options.estimate_error asks for it, which takes as long again. Nothing where it cannot be had: of
+/// chains that CVODE does not solve, and beyond 100 000 samples, as it stops at every corner of the input.
 std::optional<Result> second_opinion(const chain::Chain& chain, const TimeRecord& input,
                                      const Options& options);
 

@@ -80,7 +80,9 @@ class RecordEngine final : public ChainEngine {
     const Result finer = run_holds(chain, input, start_of(chain, options.start), 2 * options.oversample);
     const double halved = error_figures(result.y, finer.y).max;
     if (!hides_corners(chain, input.step_s)) return halved;
-    const std::optional<Result> by_events = second_opinion(chain, input, options);
+    Options once = options;
+    once.estimate_error = false;
+    const std::optional<Result> by_events = second_opinion(chain, input, once);
     return by_events ? std::max(halved, error_figures(result.y, by_events->y).max) : halved;
   }
 };
@@ -91,19 +93,6 @@ BODESMITH_ENTRY(ChainEngine, record_engine, RecordEngine)
 
 Result run_record(const chain::Chain& chain, const SampledInput& input, const Options& options) {
   return run_holds(chain, input, start_of(chain, options.start), options.oversample);
-}
-
-std::optional<Result> second_opinion(const chain::Chain& chain, const TimeRecord& input,
-                                     const Options& options) {
-  constexpr std::size_t kMaxSamples = 100'000;
-  if (!options.estimate_error || input.size() > kMaxSamples) return std::nullopt;
-  try {
-    Result out = std::get<Result>(cvode_engine().run(chain, input, options));
-    out.error_estimate = cvode_engine().estimate_error(chain, input, options, out);
-    return out;
-  } catch (const InputError&) {
-    return std::nullopt;  // not every chain can be solved so; the record engine's output stands
-  }
 }
 
 RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& input, const Options& options) {

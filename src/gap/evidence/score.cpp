@@ -8,6 +8,7 @@
 #include <span>
 
 #include "gap/effect.hpp"
+#include "gap/evidence/names.hpp"
 #include "gap/evidence/noise_floor.hpp"
 #include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
@@ -152,6 +153,10 @@ double log_evidence(const Model& model, const Experiments& train) {
   const double size = std::max(rms(rest), kLeastRest * largest_range(train));
   return noise.log_likelihood / kTemperature + log_prior(model) + occam(model, train, noise) +
          occam_of_lines(model, train, size);
+}
+
+double least_telling_drop(const Experiments& records) {
+  return 2.0 * kTemperature * kTied / static_cast<double>(scored_samples(records));
 }
 
 double log_share_of_name() {

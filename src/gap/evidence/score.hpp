@@ -21,6 +21,10 @@ namespace bodesmith::gap {
 /// cannot be run.
 double log_evidence(const Model& model, const Experiments& train);
 
+/// The relative fall of the sum of squares that changes a model's odds by a twentieth (kTied), which decides nothing: a candidate's fit ends
+/// where an iteration brings no more.
+double least_telling_drop(const Experiments& records);
+
 /// What a name more costs: each of the catalogue is as likely as any other.
 double log_share_of_name();
 

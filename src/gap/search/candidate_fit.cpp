@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,15 +29,35 @@ Model with_term_at(const Proposal& proposal, std::size_t start) {
   return model;
 }
 
-/// A few steps from each of the term's best starts: the best.
+/// The base model's own values as they were given, where one stands further off than these are right to: what is missing has bent it, and
+/// a fit from there may leave that block to another name. Nothing where none does.
+std::optional<Model> as_given(Model model) {
+  auto values = model.values();
+  const auto unknowns = model.unknowns();
+  bool bent = false;
+  for (std::size_t k = 0; k < model.free_count(); ++k) {
+    if (!(unknowns[k].given_spread > 0.0)) continue;
+    bent = bent || std::abs(unknowns[k].deviations(values[k])) > 1.0;
+    values[k] = unknowns[k].given;
+  }
+  if (!bent) return std::nullopt;
+  model.set_values(values);
+  return model;
+}
+
+/// A few steps from each of the term's best starts, and from the best of them with the base model as given: the best.
 std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchRecords& records,
                                      const Promising& p) {
   const auto options = few_steps(setting.options);
-  std::optional<FittedModel> best;
   const std::size_t tries = p.proposal.term().unknowns.size() > 2 * kFew ? 1 : kFew;
-  for (std::size_t t = 0; t < std::min(tries, p.best_starts.size()); ++t) {
+  std::vector<Model> starts;
+  for (const std::size_t start : std::span(p.best_starts).first(std::min(tries, p.best_starts.size())))
+    starts.push_back(with_term_at(p.proposal, start));
+  if (auto given = as_given(starts.front())) starts.push_back(std::move(*given));
+  std::optional<FittedModel> best;
+  for (auto& start : starts) {
     if (setting.options.is_late() && best) break;
-    auto fitted = fit(with_term_at(p.proposal, p.best_starts[t]), records.look(), options);
+    auto fitted = fit(std::move(start), records.look(), options);
     if (fitted.usable() && (!best || fitted.rms < best->rms)) best = std::move(fitted);
   }
   return best;
@@ -81,7 +102,9 @@ void comb(const SearchSetting& setting, const SearchRecords& records, FittedMode
 Ranked ended_fit(const SearchSetting& setting, const SearchRecords& records, const Promising& candidate,
                  FittedModel now, double leader) {
   if (!setting.options.is_late() && now.rms <= kFarMore * leader) {
-    auto fitted = fit(now.model, records.look(), fit_options(setting.options));
+    auto options = fit_options(setting.options);
+    options.cost_tolerance = least_telling_drop(records.look());
+    auto fitted = fit(now.model, records.look(), options);
     if (fitted.usable() && fitted.rms <= now.rms) now = std::move(fitted);
     comb(setting, records, now);
   }

@@ -126,6 +126,15 @@ INSTANTIATE_TEST_SUITE_P(
             "[[block]]\ntype = \"lowpass\"\ncorner_hz = 41.0\n",
             1e-4,
             {"sample_hold"}},
+        // With the lag's work done by the resonator's own free values, a mode would take the resonator's place.
+        HiddenInRecord{"lag_in_front_of_a_free_resonator",
+                       "[[block]]\ntype = \"resonator\"\ngain = 1.0\nnatural_frequency_hz = 30.2\n"
+                       "damping_ratio = 0.19\nfree = [\"natural_frequency_hz\", \"damping_ratio\"]\n",
+                       "[[block]]\ntype = \"lowpass\"\ncorner_hz = 19.0\n"
+                       "[[block]]\ntype = \"resonator\"\ngain = 1.0\nnatural_frequency_hz = 30.0\n"
+                       "damping_ratio = 0.18\n",
+                       5e-5,
+                       {"amplifier_pole"}},
         // Neither radius is one of the bank's.
         HiddenInRecord{
             "two_plays",

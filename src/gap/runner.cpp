@@ -187,29 +187,24 @@ std::vector<double> residuals_of(const Model& model, const Experiments& experime
   return out;
 }
 
-Model with_lines_of(Model model, const TimeExperiment& experiment) {
+Model with_lines_of(Model model, const Experiment& experiment) {
   const auto ids = model.line_blocks();
-  if (ids.empty()) return model;
+  const auto* time = std::get_if<TimeExperiment>(&experiment);
+  if (ids.empty() || time == nullptr) return model;
   std::vector<double> frequencies;
   for (int id : ids) {
     frequencies.push_back(model.block(id).get("frequency_hz"));
     model.block(id).set("amplitude", 0.0);
   }
-  const auto output = bare_output_of(model, experiment);
+  const auto output = bare_output_of(model, *time);
   if (output.empty()) return model;
-  const auto& record = experiment.record();
+  const auto& record = time->record();
   std::vector<double> residual;
-  for (std::size_t i = experiment.first(); i < experiment.end(); ++i)
-    residual.push_back(record.y[i] - output[i]);
-  const auto lines = fit_lines(frequencies, record, experiment.first(), residual);
+  for (std::size_t i = time->first(); i < time->end(); ++i) residual.push_back(record.y[i] - output[i]);
+  const auto lines = fit_lines(frequencies, record, time->first(), residual);
   for (std::size_t k = 0; k < ids.size(); ++k)
     model.block(ids[k]).set("amplitude", lines[k].amplitude).set("phase_deg", lines[k].phase_deg);
   return model;
-}
-
-Model with_lines_of(Model model, const Experiment& experiment) {
-  const auto* time = std::get_if<TimeExperiment>(&experiment);
-  return time == nullptr ? model : with_lines_of(std::move(model), *time);
 }
 
 std::vector<double> output_of(const Model& model, const TimeExperiment& experiment) {

@@ -36,7 +36,6 @@ class Runner {
 std::vector<double> residuals_of(const Model& model, const Experiments& experiments);
 
 /// The model with its lines as this record has them.
-Model with_lines_of(Model model, const TimeExperiment& experiment);
 Model with_lines_of(Model model, const Experiment& experiment);
 
 /// The model's whole output for one time record, its lines as the record has them; empty when it cannot be

@@ -163,11 +163,10 @@ std::vector<std::size_t> Scene::base_places() const {
   return places;
 }
 
-Scene make_scene(const Model& model, const Experiments& train, std::function<bool()> late) {
+Scene make_scene(const Model& model, const Experiments& train) {
   const auto* response = std::get_if<FrequencyExperiment>(&train.front());
   auto scene = response != nullptr ? scene_of(model, *response) : scene_of(model, train);
   scene.records = train.size();
-  scene.late = std::move(late);
   return scene;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -55,7 +54,6 @@ struct Scene {
   std::vector<double> residual;           ///< measured - model, whole record
   std::vector<double> residual_peaks_hz;  ///< strongest frequencies of the residual
   std::vector<Hertz> frequency;           ///< where a response was measured
-  std::function<bool()> late;             ///< true: the time for proposals is over; empty: it has no end
 
   /// One boundary of each class of places that a linear effect cannot tell apart.
   std::vector<std::size_t> linear_places() const;
@@ -65,11 +63,9 @@ struct Scene {
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).
   std::vector<std::size_t> base_places() const;
-  /// Long looks for start values end here, with what they have.
-  bool is_late() const { return late && late(); }
 };
 
-/// What the effects look at: the training record of which most is left under the present model. `late`: Scene::late.
-Scene make_scene(const Model& model, const Experiments& train, std::function<bool()> late = {});
+/// What the effects look at: the training record of which most is left under the present model.
+Scene make_scene(const Model& model, const Experiments& train);
 
 }  // namespace bodesmith::gap

@@ -45,16 +45,6 @@ void propose_creep(const Scene& scene, std::vector<Proposal>& out) {
   const double slow = 2.0 * scene.duration_s;
   const double fast = 0.08 / (scene.frequency_only ? scene.top_hz : scene.band_hz);
   for (std::size_t at : scene.linear_places()) {
-    // One relaxation with a time constant of its own, and a logarithmic spectrum of fixed ones.
-    auto one = chain::make_block("creep");
-    one.set("gains", std::vector<double>{0.01})
-        .set("time_constants_s", std::vector<double>{std::sqrt(fast * slow)});
-    Starts starts;
-    for (double part : {0.1, 0.35, 0.6, 0.85}) starts.push_back({0.01, fast * std::pow(slow / fast, part)});
-    out.push_back(insert_block(
-        scene, at, one,
-        {linear_unknown("gains[0]", 0.0, 1.0, 0.05), logarithmic_unknown("time_constants_s[0]", fast, slow)},
-        starts));
     out.push_back(logarithmic(scene, at, fast, slow));
     auto many = chain::make_block("creep");
     const std::size_t count = 8;

@@ -128,7 +128,7 @@ Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const st
     for (const auto& [sum, clock] : likely_fast_clocks(signal, residual, half, low_hz * h, length))
       scored.emplace_back(likeness(clock / h, length), clock / h);
   }
-  for (bool finely = false; !scene.is_late(); finely = true) {
+  for (bool finely = false;; finely = true) {
     keep_best(scored, 1.0 / (static_cast<double>(length) * h));
     if (finely && length == last) return starts_of(scored);
     length = std::min(last, 2 * length);
@@ -142,7 +142,6 @@ Starts clocks_of_stairs(const Scene& scene, std::vector<double> signal, const st
     scored = std::move(finer);
     spacing *= 0.5;
   }
-  return {};
 }
 
 /// Mean square of the measured output less the model's, `lag` samples later.

@@ -36,7 +36,7 @@ std::vector<Promising> second_names(const SearchSetting& setting, const SearchRe
     if (options.is_late()) break;
     const double left = rms_of(first.model, records.look());
     std::set<const Effect*> effects;
-    for (auto& second : look_round(setting, records, first.model)) {
+    for (auto& second : look_round(records, first.model)) {
       if (effects.insert(second.proposal.term().effect).second)
         all.emplace_back(left * std::sqrt(std::max(0.0, 1.0 - second.score)), std::move(second));
     }

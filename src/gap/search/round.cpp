@@ -100,9 +100,8 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
 
 }  // namespace
 
-std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& model) {
-  const auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
+std::vector<Promising> look_round(const SearchRecords& records, const Model& model) {
+  const auto scene = make_scene(model, records.train);
   std::vector<const Effect*> effects;
   for (const auto* effect : effect_registry().all()) {
     if (!scene.frequency_only || effect->facts().linear) effects.push_back(effect);
@@ -123,7 +122,7 @@ std::vector<Promising> look_round(const SearchSetting& setting, const SearchReco
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
   const auto& options = setting.options;
   FittedRound round;
-  const auto chosen = best_of(look_round(setting, records, model));
+  const auto chosen = best_of(look_round(records, model));
   if (options.stopped()) return {};
   auto fitted = fit_candidates(setting, records, chosen);
   std::set<std::string_view> missed;

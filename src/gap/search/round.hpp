@@ -24,8 +24,7 @@ struct FittedRound {
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model);
 
 /// The first look of a round alone: what every effect promises, best first.
-std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
-                                  const Model& model);
+std::vector<Promising> look_round(const SearchRecords& records, const Model& model);
 /// Chosen candidates of such looks, fitted and ranked.
 std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records,
                                const std::vector<Promising>& chosen);

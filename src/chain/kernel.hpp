@@ -81,8 +81,10 @@ class MemoryKernel {
   virtual double peek(double u, double dt_s) const = 0;
   /// False: the output depends on how fast the input moves.
   virtual bool rate_independent() const = 0;
-  /// Above 0: the operator is y following u at no more than this rate, which engines may work out by events.
+  /// Above 0: the operator is x following u at no more than this rate, which engines may work out by events, and
+  /// y = x + slew_feedthrough() (u - x).
   virtual double slew_rate() const { return 0.0; }
+  virtual double slew_feedthrough() const { return 0.0; }
   /// Inputs at which the output jumps, for engines that stop there.
   virtual std::vector<double> corners() const { return {}; }
   /// Whether y is one curve of u while the input rises (also before it first moves) and another while it falls, whatever came

@@ -242,13 +242,13 @@ void add_reference_options(CommandLine& line, UsualLength usual) {
 simulate::ReferenceSpec read_reference_options(const CommandLine& line, const std::string& kind,
                                                UsualLength usual) {
   simulate::ReferenceSpec spec;
-  spec.kind = kind;
+  spec.kind = simulate::reference_kind(kind);
   spec.frequency = Hertz{line.positive("frequency-hz")};
   spec.amplitude = line.positive("amplitude");
   // What a kind has none of is not read, and refused where it was given.
   const bool wide = kind == "chirp" || kind == "multisine";
   if (wide) spec.last = Hertz{line.positive("last-hz")};
-  if (kind == "stair" || kind == "steps") spec.steps = line.get<int>("steps");
+  if (spec.kind == "stair") spec.steps = line.get<int>("steps");
   spec.offset = line.maybe<double>("offset").value_or(spec.amplitude);
   const double period = 1.0 / simulate::fundamental_of(spec).value_or(spec.frequency).value;
   const bool periods = usual == UsualLength::periods;
@@ -265,8 +265,8 @@ bool names_a_reference(const std::string& text) {
   std::error_code ignored;
   if (std::filesystem::exists(text, ignored)) return false;
   const auto& kinds = simulate::reference_kinds();
-  return text == "steps" ||
-         std::ranges::any_of(kinds, [&](const simulate::ReferenceKind& kind) { return kind.name == text; });
+  return std::ranges::find(kinds, simulate::reference_kind(text), &simulate::ReferenceKind::name) !=
+         kinds.end();
 }
 
 Sections rational_part(Sections sections, const std::string& file) {

@@ -145,10 +145,11 @@ Sections Sections::from_node(const Node& node) {
     const Node error = node.at("error");
     const std::vector<double> band = error.at("band_hz").numbers();
     if (band.size() != 2) error.at("band_hz").fail("expected [from, to]");
-    out.error = Error{{Hertz{band[0]}, Hertz{band[1]}},
-                      error.at("max_magnitude_db").number(),
-                      error.at("max_phase_deg").number(),
-                      error.at("everywhere_max_magnitude_db").number()};
+    out.error =
+        Error{{Hertz{band[0]}, Hertz{band[1]}},
+              error.at("max_magnitude_db").number(),
+              error.has("max_phase_deg") ? std::optional(error.at("max_phase_deg").number()) : std::nullopt,
+              error.at("everywhere_max_magnitude_db").number()};
   }
   return out;
 }
@@ -168,8 +169,8 @@ Json Sections::to_json() const {
   if (error) {
     out["error"] = {{"band_hz", {error->band.from.value, error->band.to.value}},
                     {"max_magnitude_db", error->max_magnitude_db},
-                    {"max_phase_deg", error->max_phase_deg},
                     {"everywhere_max_magnitude_db", error->everywhere_max_magnitude_db}};
+    if (error->max_phase_deg) out["error"]["max_phase_deg"] = *error->max_phase_deg;
   }
   return out;
 }

@@ -39,7 +39,7 @@ struct Sections {
   struct Error {
     Band band;
     double max_magnitude_db = 0.0;
-    double max_phase_deg = 0.0;
+    std::optional<double> max_phase_deg;  ///< none: the phase was not asked for
     double everywhere_max_magnitude_db = 0.0;
   };
   std::optional<Error> error;

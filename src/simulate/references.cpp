@@ -117,7 +117,7 @@ const std::vector<Kind>& kinds() {
 const Kind& kind_named(const std::string& name) {
   std::vector<std::string> names;
   for (const Kind& kind : kinds()) {
-    if (kind.about.name == (name == "steps" ? "stair" : name)) return kind;
+    if (kind.about.name == reference_kind(name)) return kind;
     names.push_back(kind.about.name);
   }
   throw InputError(fmt::format("the reference '{}' is not known{}, expected one of {}", name,
@@ -125,6 +125,10 @@ const Kind& kind_named(const std::string& name) {
 }
 
 }  // namespace
+
+std::string reference_kind(const std::string& name) {
+  return name == "steps" ? "stair" : name;
+}
 
 const std::vector<ReferenceKind>& reference_kinds() {
   static const std::vector<ReferenceKind> names = [] {

@@ -35,6 +35,8 @@ struct ReferenceKind {
 /// 0.415 + 0.23 (sin 2 pi t + 0.3 sin pi t + 0.5 sin 0.2 pi t), as printed; amplitude and offset do not
 /// apply.
 const std::vector<ReferenceKind>& reference_kinds();
+/// Its own name: "steps" are a stair.
+std::string reference_kind(const std::string& name);
 
 /// InputError for an unknown kind, a step or duration that is not above 0, a frequency the step cannot show
 /// (above half the sampling rate), more than 5e7 samples.

@@ -5,6 +5,7 @@
 
 #include "base/units.hpp"
 #include "tracking/reference.hpp"
+#include "tracking/stage.hpp"
 
 namespace bodesmith::tracking {
 
@@ -12,6 +13,7 @@ namespace bodesmith::tracking {
 struct DriveWaveform {
   std::vector<double> v;  ///< evenly sampled over whole repeats of the reference, from its phase 0 on
   double step_s = 0.0;
+  DriveKind kind = DriveKind::smooth;
   std::vector<std::string> clipped = {};  ///< blocks of it that clipped on the way
 };
 

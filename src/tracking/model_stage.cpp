@@ -109,7 +109,7 @@ TimeRecord IdentifiedStage::loops(Hertz operating) const {
   }
   PolynomialStage::Options truth;
   truth.rule = PolynomialStage::Rule::nested;
-  out.y = PolynomialStage(disturbance_, {}, truth).response(out.u, out.step_s, operating);
+  out.y = PolynomialStage(disturbance_, {}, truth).response(out.u, out.step_s, operating, DriveKind::smooth);
   if (mirrored_) out.y = mirrored_at(out.u, std::move(out.y));
   return out;
 }
@@ -137,8 +137,8 @@ double IdentifiedStage::fit_percent(Hertz operating) const {
   return found(operating).fit_percent;
 }
 
-std::vector<double> IdentifiedStage::response(std::span<const double> v, double step_s,
-                                              Hertz operating) const {
+std::vector<double> IdentifiedStage::response(std::span<const double> v, double step_s, Hertz operating,
+                                              DriveKind /*kind*/) const {
   check_drive(v);
   const std::vector<double> u = through_path(paths_.drive, v, step_s);
   std::vector<double> q = settled_output(found(operating).model, u, step_s);

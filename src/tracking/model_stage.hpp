@@ -31,7 +31,8 @@ class IdentifiedStage final : public Stage {
                   Options options);
 
   const std::string& name() const override;
-  std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const override;
+  std::vector<double> response(std::span<const double> v, double step_s, Hertz operating,
+                               DriveKind kind) const override;
 
   /// How far the model is from the loops it was identified from at that frequency, percent of range (eq. 8), over
   /// the full stroke.

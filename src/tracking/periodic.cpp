@@ -191,7 +191,8 @@ std::vector<double> PeriodicTracking::stage_disturbance(const std::vector<double
                                                         Options::Argument argument) const {
   const bool on_drive = argument == Options::Argument::drive;
   const std::vector<double>& read = on_drive ? drive : x_;
-  const std::vector<bool> rising = on_drive ? rising_samples(drive, options_.alpha) : rising_;
+  const std::vector<bool> rising =
+      on_drive ? rising_samples(drive, options_.alpha, DriveKind::stepped) : rising_;
   std::vector<double> out(n_);
   for (std::size_t i = 0; i < n_; ++i) out[i] = own_.value(branch_of(rising[i]), read[i]);
   return out;
@@ -200,7 +201,7 @@ std::vector<double> PeriodicTracking::stage_disturbance(const std::vector<double
 std::vector<double> PeriodicTracking::displacement(const std::vector<double>& drive,
                                                    Options::Argument argument) const {
   const double step = repeat_s() / static_cast<double>(n_);
-  if (plant_.stage) return plant_.stage->response(drive, step, frequency_);
+  if (plant_.stage) return plant_.stage->response(drive, step, frequency_, DriveKind::stepped);
   std::vector<double> q = through_path(plant_.drive_path, drive, step);
   const std::vector<double> added = stage_disturbance(q, argument);
   for (std::size_t i = 0; i < n_; ++i) q[i] += added[i];

@@ -171,23 +171,24 @@ PolynomialStage::PolynomialStage(Disturbance disturbance, StagePaths paths, Opti
   if (!(options_.alpha > 0.0)) throw InputError("the amplitude alpha of the stage is not above 0");
 }
 
-std::vector<double> PolynomialStage::response(std::span<const double> v, double step_s,
-                                              Hertz operating) const {
+std::vector<double> PolynomialStage::response(std::span<const double> v, double step_s, Hertz operating,
+                                              DriveKind kind) const {
   check_drive(v);
   const std::vector<double> u = through_path(paths_.drive, v, step_s);
   const std::vector<double> q =
-      options_.rule == Rule::nested ? by_turning_points(u, operating) : by_slope(u, operating);
+      options_.rule == Rule::nested ? by_turning_points(u, operating) : by_slope(u, operating, kind);
   return through_path(paths_.mechanics, q, step_s);
 }
 
-std::vector<double> PolynomialStage::by_slope(const std::vector<double>& u, Hertz operating) const {
+std::vector<double> PolynomialStage::by_slope(const std::vector<double>& u, Hertz operating,
+                                              DriveKind kind) const {
   const double alpha = options_.alpha;
   double gain[2];
   for (const Branch branch : kBranches) {
     gain[branch_index(branch)] =
         disturbance_.rate_gain(branch, operating) * disturbance_.amplitude.at(branch, alpha);
   }
-  const std::vector<bool> rising = rising_samples(u, alpha);
+  const std::vector<bool> rising = rising_samples(u, alpha, kind);
   std::vector<double> q(u.size());
   for (std::size_t i = 0; i < u.size(); ++i) {
     const Branch branch = branch_of(rising[i]);
@@ -218,10 +219,11 @@ std::vector<double> through_path(const Sections& path, std::span<const double> u
   return settled_path(state_space(path), u, step_s).output;
 }
 
-std::vector<bool> rising_samples(std::span<const double> u, double alpha) {
+std::vector<bool> rising_samples(std::span<const double> u, double alpha, DriveKind kind) {
   const std::size_t n = u.size();
   const auto start = static_cast<std::size_t>(std::ranges::min_element(u) - u.begin());
-  const std::vector<TurningPoint> turns = turning_points(u, start, 0.02 * alpha);
+  const std::vector<TurningPoint> turns =
+      turning_points(u, start, (kind == DriveKind::smooth ? 1e-5 : 0.02) * alpha);
   std::vector<bool> out(n, true);
   if (turns.size() == 1) return out;  // it never turns
   for (std::size_t t = 0; t < turns.size(); ++t) {

@@ -10,6 +10,9 @@
 
 namespace bodesmith::tracking {
 
+/// What makes a drive: an analog circuit, whose every turn is one; or a board (harmonics, too), whose clocked steps are none.
+enum class DriveKind { smooth, stepped };
+
 /// A stage that reads its drive. Whatever makes the drive v(t) (an ideal controller, ngspice on the emitted
 /// circuit, a board tick by tick) hands v here and gets the displacement a real stage would show. Units: v = 1
 /// is the full-stroke drive, y = 1 the full stroke.
@@ -24,7 +27,8 @@ class Stage {
   /// y in steady state, as many samples as v: v is sampled every step_s and repeats after its last sample (one
   /// period of the reference, or several where a clock and the reference meet only then). `operating`: the
   /// reference's frequency, at which the rate gains are taken. InputError: no samples, or one that is no number.
-  virtual std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const = 0;
+  virtual std::vector<double> response(std::span<const double> v, double step_s, Hertz operating,
+                                       DriveKind kind) const = 0;
 };
 
 /// What stands before and behind the hysteresis: amplifier; damping compensator and resonance.
@@ -52,10 +56,11 @@ class PolynomialStage final : public Stage {
   PolynomialStage(Disturbance disturbance, StagePaths paths = {});
 
   const std::string& name() const override { return name_; }
-  std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const override;
+  std::vector<double> response(std::span<const double> v, double step_s, Hertz operating,
+                               DriveKind kind) const override;
 
  private:
-  std::vector<double> by_slope(const std::vector<double>& u, Hertz operating) const;
+  std::vector<double> by_slope(const std::vector<double>& u, Hertz operating, DriveKind kind) const;
   std::vector<double> by_turning_points(const std::vector<double>& u, Hertz operating) const;
 
   std::string name_ = "polynomial";
@@ -71,8 +76,8 @@ void check_drive(std::span<const double> v);
 std::vector<double> through_path(const Sections& path, std::span<const double> u, double step_s);
 
 /// For each sample of a repeating signal of that amplitude whether it rises there: cut at the turning points from which it goes back
-/// by more than 2 % of that (steps of a clocked drive and a simulator's noise are no turns). All true when it never does.
-std::vector<bool> rising_samples(std::span<const double> u, double alpha);
+/// by more than a simulator's noise (1e-5 of that), or the steps of a clocked drive (2 %). All true when it never does.
+std::vector<bool> rising_samples(std::span<const double> u, double alpha, DriveKind kind);
 
 /// Eq. 8 of the disturbance paper: 100 rms(y - x)/(max y - min y), and the same with the best pure delay of x.
 struct TrackingError {

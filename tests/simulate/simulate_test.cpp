@@ -268,5 +268,19 @@ TEST(SlewFeedthrough, BothEnginesAndALoopAgree) {
   }
 }
 
+TEST(SlewFeedthrough, BehindALagIsTheLimitAndAPartOfWhatItLacks) {
+  TimeRecord in;
+  in.step_s = 1e-3;
+  for (int i = 0; i < 400; ++i) in.u.push_back(std::sin(0.04 * i));
+  const chain::Block lag = make_block("lowpass").set("corner_hz", 20.0);
+  const auto behind = [&](double feedthrough) {
+    const chain::Block limit =
+        make_block("slew_limit").set("rate_per_s", 20.0).set("feedthrough", feedthrough);
+    return simulate(Chain{{lag, limit}}, in, by_engine(Engine::cvode)).y;
+  };
+  const auto u = simulate(Chain{{lag}}, in, by_engine(Engine::cvode)).y, x = behind(0.0), y = behind(0.3);
+  for (std::size_t i = 0; i < in.size(); ++i) EXPECT_NEAR(y[i], x[i] + 0.3 * (u[i] - x[i]), 1e-7) << i;
+}
+
 }  // namespace
 }  // namespace bodesmith::simulate

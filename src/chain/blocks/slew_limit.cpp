@@ -22,8 +22,8 @@ class SlewLimiter final : public MemoryKernel {
   }
   double peek(double u, double dt_s) const override { return output(u, follow(u, dt_s)); }
   bool rate_independent() const override { return false; }
-  /// 0 with feedthrough: the output is then not the state that engines which follow it themselves know.
-  double slew_rate() const override { return feedthrough_ > 0.0 ? 0.0 : rate_; }
+  double slew_rate() const override { return rate_; }
+  double slew_feedthrough() const override { return feedthrough_; }
 
  private:
   double output(double u, double y) const { return y + feedthrough_ * (u - y); }

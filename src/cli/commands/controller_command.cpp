@@ -134,9 +134,7 @@ std::string add_part_errors(const CommandLine& line, const generator::Disturbanc
     options.study.reference = tracking::Reference(reference.shape(), stroke);
     options.ngspice = line.has("check");
     options.allow_unstable = line.has("allow-unstable");
-    tracking::PolynomialStage::Options stage_options;
-    stage_options.alpha = stroke;
-    const tracking::PolynomialStage stage(built.disturbance, {}, stage_options);
+    const tracking::PolynomialStage stage(built.disturbance, {}, {.alpha = stroke});
     report = tolerance::examine(built, stage, options);
     json.update(tolerance::to_json(report, built));
     out.add("trim.md", tolerance::trim_page(report, built, "the controller of " + line.files()[0]));

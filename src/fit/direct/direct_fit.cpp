@@ -388,7 +388,7 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
   out.warnings = direct_warnings(out, problem);
   out.sections.error = Sections::Error{{points.points.front().frequency, points.points.back().frequency},
                                        out.max_db,
-                                       out.max_phase_deg,
+                                       options.use_phase ? std::optional(out.max_phase_deg) : std::nullopt,
                                        out.max_db};
   return out;
 }

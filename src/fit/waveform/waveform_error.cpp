@@ -43,13 +43,23 @@ std::vector<double> period_of(const std::vector<Complex>& part, std::size_t samp
 /// Harmonics of (G - G_inf) u at one operating frequency; G_inf = `beyond`.
 std::vector<Complex> filtered_harmonics(const FrequencyResponse& g, const TriangleSeries& input, Hertz f,
                                         double beyond) {
+  // Each of the first harmonics; further up straight lines over log f between twelve points an octave.
+  constexpr std::size_t kEach = 400;
+  const double ratio = std::exp2(1.0 / 12.0);
+  const auto at = [&](double k) { return g(Hertz{f.value * k}.rad_s()); };
+  double to = kEach;
+  Complex below = 0.0, above = at(to);
   std::vector<Complex> part(input.coefficient.size());
-  for (std::size_t k = 0; k < part.size(); ++k) {
-    // A real G has a real limit at 0 Hz; a millionth of the fundamental stands for it.
-    const double at = k == 0 ? f.value * 1e-6 : f.value * static_cast<double>(k);
-    Complex response = g(Hertz{at}.rad_s());
-    if (k == 0) response = response.real();
-    part[k] = (response - beyond) * input.coefficient[k] * (k == 0 ? 1.0 : 2.0);
+  // A real G has a real limit at 0 Hz; a millionth of the fundamental stands for it.
+  part[0] = (at(1e-6).real() - beyond) * input.coefficient[0];
+  for (std::size_t k = 1; k < part.size(); ++k) {
+    const auto order = static_cast<double>(k);
+    if (k > kEach && order > to) {
+      below = above;
+      above = at(to *= ratio);
+    }
+    const Complex response = k <= kEach ? at(order) : above + (below - above) * std::log2(to / order) * 12.0;
+    part[k] = (response - beyond) * input.coefficient[k] * 2.0;
   }
   return part;
 }

@@ -40,7 +40,7 @@ FrequencyResponse remembered(FrequencyResponse response);
 struct WaveformErrorOptions {
   DrivenPath path = DrivenPath::whole;
   /// Of the operating frequency; what lies above is added in closed form with G(infinity).
-  int harmonics = 400;
+  int harmonics = 4096;
 };
 
 /// The periodic steady state at one operating frequency, triangle x(t) from 0 to 1 and back.

@@ -25,10 +25,11 @@ Json parameter_rows(const PlacedCam& cam) {
     const auto text = [&](double v) { return frequency ? in_khz(v) : rounded_text(v, 6); };
     // What to type is the realised value: the tool then has a set of capacitors that is exact.
     const double type = cam.realised.number(entry.key).value_or(*requested);
-    rows.push_back({{"words", parameter != nullptr ? std::string(parameter->words) : entry.key},
-                    {"requested", text(*requested)},
-                    {"type", text(type)},
-                    {"off", fmt::format("{:+.3f} %", 100.0 * (type / *requested - 1.0))}});
+    rows.push_back(
+        {{"words", parameter != nullptr ? std::string(parameter->words) : entry.key},
+         {"requested", text(*requested)},
+         {"type", text(type)},
+         {"off", *requested == 0.0 ? "-" : fmt::format("{:+.3f} %", 100.0 * (type / *requested - 1.0))}});
   }
   return rows;
 }

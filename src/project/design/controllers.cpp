@@ -69,9 +69,7 @@ std::optional<tolerance::ControllerReport> examine_controller(
   if (!controller || project.track.frequency.empty()) return std::nullopt;
   const tracking::Plant plant = tracking_plant(project);
   const double stroke = tolerance::examined_stroke(*controller, project.track.amplitude());
-  tracking::PolynomialStage::Options stage_options;
-  stage_options.alpha = stroke;
-  const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), stage_options);
+  const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), {.alpha = stroke});
   tolerance::ControllerReportOptions options;
   options.study.errors = project.controller.errors;
   options.study.reference = tracking::Reference(tracking::Reference::Shape::triangle, stroke);

@@ -119,6 +119,7 @@ tracking::DriveWaveform BoardController::drive(const tracking::Reference& refere
                            [&](double t) { return tracking::Reference::rises(reference.piece(phase(t))); }});
   const std::size_t count = sample_count(repeat, fastest_clock(variant_));
   tracking::DriveWaveform out;
+  out.kind = tracking::DriveKind::stepped;
   out.step_s = repeat / static_cast<double>(count);
   for (std::size_t i = 0; i < count; ++i)
     out.v.push_back(run.drive((static_cast<double>(i) + first) * out.step_s));

@@ -199,9 +199,10 @@ BoardInTime judged(const Project& project, const tracking::Reference& reference,
     wanted.push_back(reference.value((static_cast<double>(n) + 0.5) / static_cast<double>(a_repeat)));
   const tracking::PolynomialStage stage = own_stage(project);
   BoardInTime out{.frequency = operating, .followed_s = drive.step_s * static_cast<double>(drive.v.size())};
-  out.rms_percent = tracking::tracking_error(stage.response(drive.v, drive.step_s, operating), wanted,
-                                             static_cast<double>(a_repeat) * drive.step_s)
-                        .rms_percent_without_lag;
+  out.rms_percent =
+      tracking::tracking_error(stage.response(drive.v, drive.step_s, operating, tracking::DriveKind::stepped),
+                               wanted, static_cast<double>(a_repeat) * drive.step_s)
+          .rms_percent_without_lag;
   out.difference_percent = 100.0 * error_figures(by_charges, drive.v).rms / reference.alpha();
   return out;
 }

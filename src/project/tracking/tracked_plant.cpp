@@ -28,9 +28,7 @@ tracking::Plant tracking_plant(const Project& project) {
 
 tracking::PolynomialStage own_stage(const Project& project) {
   const tracking::Plant plant = tracking_plant(project);
-  tracking::PolynomialStage::Options options;
-  options.alpha = project.track.amplitude();
-  return {plant.disturbance, plant.paths(), options};
+  return {plant.disturbance, plant.paths(), {.alpha = project.track.amplitude()}};
 }
 
 tracking::Options tracking_options(const Project& project) {

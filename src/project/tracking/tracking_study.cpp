@@ -123,9 +123,9 @@ TrackedDesign tracked_controller(const tracking::BuiltController& controller, co
     const double repeat = static_cast<double>(reference.periods()) / frequencies[i].value;
     const auto samples = static_cast<double>(drive.v.size());
     const double repeats = std::max(1.0, std::round(samples * drive.step_s / repeat));
-    out.at.push_back(tracking::tracking_error(stage.response(drive.v, drive.step_s, frequencies[i]),
-                                              reference.samples(static_cast<std::size_t>(samples / repeats)),
-                                              repeat));
+    out.at.push_back(
+        tracking::tracking_error(stage.response(drive.v, drive.step_s, frequencies[i], drive.kind),
+                                 reference.samples(static_cast<std::size_t>(samples / repeats)), repeat));
   }
   return out;
 }

@@ -1,5 +1,5 @@
-// y follows u at no more than a given rate: one state, with an event where the limit sets in (the input
-// becomes too fast) or ends (the output has caught up).
+// x follows u at no more than a given rate, and y = x + c (u - x): one state, with an event where the limit sets in (the
+// input becomes too fast) or ends (the state has caught up).
 #include <algorithm>
 #include <cmath>
 
@@ -10,8 +10,8 @@ namespace {
 
 class SlewPart final : public OdePart {
  public:
-  explicit SlewPart(chain::MemoryKernel& memory)
-      : memory_(memory), corners_(memory.corners()), rate_(memory.slew_rate()) {}
+  explicit SlewPart(const chain::MemoryKernel& memory)
+      : corners_(memory.corners()), rate_(memory.slew_rate()), feedthrough_(memory.slew_feedthrough()) {}
 
   std::size_t order() const override { return 1; }
   std::size_t events() const override { return corners_.size() + 1; }
@@ -19,13 +19,13 @@ class SlewPart final : public OdePart {
 
   double start(double /*t*/, double u, bool still, double* x) override {
     in_.value = u;
-    x[0] = memory_.reset(u, still);
+    x[0] = still ? u : 0.0;
     if (x[0] != u) mode_ = towards(u - x[0]);
-    return x[0];
+    return with_feedthrough(u, x[0]);
   }
   double newton(double /*gamma*/, double du, const double* /*x*/, double* z) override {
     // Following, the state only shadows the input: Newton may take its rate as given.
-    return mode_ == Mode::following ? du : z[0];
+    return mode_ == Mode::following ? du : with_feedthrough(du, z[0]);
   }
   void event_values(const double* x, double* g) const override {
     for (std::size_t i = 0; i < corners_.size(); ++i) g[i] = in_.value - corners_[i];
@@ -45,6 +45,7 @@ class SlewPart final : public OdePart {
 
  private:
   enum class Mode { following, rising, falling };
+  double with_feedthrough(double u, double x) const { return x + feedthrough_ * (u - x); }
   static Mode towards(double difference) { return difference > 0.0 ? Mode::rising : Mode::falling; }
 
   SlopedValue pass(double /*t*/, SlopedValue in, const double* x, double* dx, Walk purpose) override {
@@ -59,12 +60,11 @@ class SlewPart final : public OdePart {
       return in;
     }
     dx[0] = mode_ == Mode::rising ? rate_ : -rate_;
-    return {x[0], dx[0]};
+    return {with_feedthrough(in.value, x[0]), with_feedthrough(in.slope, dx[0])};
   }
 
-  chain::MemoryKernel& memory_;
   std::vector<double> corners_;
-  double rate_;
+  double rate_, feedthrough_;
   Mode mode_ = Mode::following;
 };
 

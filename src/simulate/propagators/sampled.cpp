@@ -68,12 +68,12 @@ constexpr double kClose = 1e-9;
 }  // namespace
 
 double run_memory(chain::MemoryKernel& memory, const HoldNodes& nodes, std::span<const HoldSpan> spans,
-                  double* signal, bool equilibrium) {
+                  double* signal, std::optional<double> rest) {
   const std::size_t width = nodes.size();
   double* v = signal;
-  double last_in = v[0];
-  double last_out = memory.reset(v[0], equilibrium);
-  const double rest = last_out;
+  double last_in = rest.value_or(v[0]);
+  double last_out = memory.reset(last_in, rest.has_value());
+  const double start = last_out;
   for (const HoldSpan& span : spans) {
     double gaps[kMaxDegree + 1] = {};
     for (std::size_t j = 1; j < width; ++j) gaps[j] = span.h * (nodes.at[j] - nodes.at[j - 1]);
@@ -85,25 +85,25 @@ double run_memory(chain::MemoryKernel& memory, const HoldNodes& nodes, std::span
       last_out = v[width - 1];
     }
   }
-  return rest;
+  return start;
 }
 
-double run_memory(chain::MemoryKernel& memory, StepSignal& signal, bool equilibrium) {
-  const double rest = memory.reset(signal.value.front(), equilibrium);
-  double last = signal.value.front();
-  double y = rest;
+double run_memory(chain::MemoryKernel& memory, StepSignal& signal, std::optional<double> rest) {
+  double last = rest.value_or(signal.value.front());
+  const double start = memory.reset(last, rest.has_value());
+  double y = start;
   for (double& v : signal.value) {
     if (v != last) y = memory.step(v, 0.0);
     last = v;
     v = y;
   }
-  return rest;
+  return start;
 }
 
 double run_memory(chain::MemoryKernel& memory, const StepSignal& signal, const HoldNodes& nodes, double h,
-                  std::size_t holds, bool equilibrium, double* y) {
-  const double rest = memory.reset(signal.value.front(), equilibrium);
-  double last = rest;
+                  std::size_t holds, std::optional<double> rest, double* y) {
+  const double start = memory.reset(rest.value_or(signal.value.front()), rest.has_value());
+  double last = rest ? memory.step(signal.value.front(), 0.0) : start;
   double time = 0.0;
   std::size_t now = 0;
   const auto wait_until = [&](double t) {
@@ -121,7 +121,7 @@ double run_memory(chain::MemoryKernel& memory, const StepSignal& signal, const H
       *y++ = last;
     }
   }
-  return rest;
+  return start;
 }
 
 void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,11 +20,12 @@ struct StepSignal {
 void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u,
                  std::size_t holds, bool equilibrium, StepSignal& out);
 
-/// A memory that does not depend on the rate of its input, in place: steps stay steps. Returns the output at the start.
-double run_memory(chain::MemoryKernel& memory, StepSignal& signal, bool equilibrium);
+/// A memory that does not depend on the rate of its input, in place: steps stay steps. `rest`: what the input rested at before
+/// the start, if it did. Returns the output there.
+double run_memory(chain::MemoryKernel& memory, StepSignal& signal, std::optional<double> rest);
 /// Of a memory that may be moved in no time but takes its time: its output at the nodes of holds of length h.
 double run_memory(chain::MemoryKernel& memory, const StepSignal& signal, const HoldNodes& nodes, double h,
-                  std::size_t holds, bool equilibrium, double* y);
+                  std::size_t holds, std::optional<double> rest, double* y);
 
 /// The values at the nodes. Where edges fall inside a hold and `jumps` is given (as long as y), y is instead the polynomial
 /// with the same moments over the hold, so that the states of a linear system behind it see the right steps to high order;
@@ -33,6 +35,6 @@ void spread_steps(const StepSignal& signal, const HoldNodes& nodes, double* y, s
 
 /// A memory operator node by node, in place. Returns the output at the start.
 double run_memory(chain::MemoryKernel& memory, const HoldNodes& nodes, std::span<const HoldSpan> spans,
-                  double* signal, bool equilibrium);
+                  double* signal, std::optional<double> rest);
 
 }  // namespace bodesmith::simulate

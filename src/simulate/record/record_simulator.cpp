@@ -57,6 +57,7 @@ struct RecordSimulator::Implementation {
       for (const HoldSpan& span : plan.spans) holds += span.holds;
       return holds * nodes.size();
     }
+    std::optional<double> rested() const { return equilibrium ? std::optional(rest) : std::nullopt; }
   };
 
   /// A run as it stood in front of a stage: RecordOptions::same_input.
@@ -325,12 +326,12 @@ struct RecordSimulator::Implementation {
     auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernel);
     if (memory == nullptr) return false;
     if ((*memory)->rate_independent()) {
-      run.rest = run_memory(**memory, held, run.equilibrium);
+      run.rest = run_memory(**memory, held, run.rested());
       return true;
     }
     if (!((*memory)->slew_rate() > 0.0)) return false;
     const HoldSpan& all = run.only_span();
-    run.rest = run_memory(**memory, held, run.nodes, all.h, all.holds, run.equilibrium, signal.data());
+    run.rest = run_memory(**memory, held, run.nodes, all.h, all.holds, run.rested(), signal.data());
     is_held = false;
     return true;
   }
@@ -452,9 +453,9 @@ struct RecordSimulator::Implementation {
 
   void run_kernel(std::unique_ptr<MemoryKernel>& memory, Run& run) {
     run.rest = memory->has_branches()
-                   ? branch.run(*memory, run.nodes, run.plan.spans, signal.data(),
-                                run.equilibrium ? signal[0] : 0.0, run.place)
-                   : run_memory(*memory, run.nodes, run.plan.spans, signal.data(), run.equilibrium);
+                   ? branch.run(*memory, run.nodes, run.plan.spans, signal.data(), run.rested().value_or(0.0),
+                                run.place)
+                   : run_memory(*memory, run.nodes, run.plan.spans, signal.data(), run.rested());
   }
 
   void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run) {

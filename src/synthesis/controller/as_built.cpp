@@ -224,10 +224,9 @@ SteadyState run_in_ngspice(const DisturbanceCircuit& controller, const Reference
 }
 
 tracking::TrackingError stage_error(const DisturbanceCircuit& controller, const SteadyState& run) {
-  tracking::PolynomialStage::Options options;
-  options.alpha = run.reference.alpha();
-  const tracking::PolynomialStage stage(controller.disturbance, {}, options);
-  return tracking::tracking_error(stage.response(run.v, run.step_s, run.operating), run.r, run.period_s());
+  const tracking::PolynomialStage stage(controller.disturbance, {}, {.alpha = run.reference.alpha()});
+  return tracking::tracking_error(
+      stage.response(run.v, run.step_s, run.operating, tracking::DriveKind::smooth), run.r, run.period_s());
 }
 
 std::string CircuitController::name() const {

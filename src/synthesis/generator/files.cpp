@@ -103,6 +103,8 @@ Json to_json(const DisturbanceCircuit& layout) {
   }
   out["parts"] = schematic::parts_json(layout, "part");
   out["error"] = {{"max_error_percent", layout.max_error_percent}};
+  if (layout.of_full_strokes)
+    out["error"]["disturbance_sub_max_percent"] = layout.of_full_strokes->max_error_percent;
   out["warnings"] = layout.warnings;
   return out;
 }

@@ -1,9 +1,13 @@
 #include "synthesis/generator/timing.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "base/error.hpp"
+#include "base/text.hpp"
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/analysis/response.hpp"
 #include "synthesis/generator/at_rest.hpp"
@@ -169,6 +173,12 @@ Timing make_timing(const DisturbanceCircuit& layout, const std::vector<Hertz>& f
   if (!layout.switched()) return out;
   const SwitchModel& model = layout.analog_switch;
   SwitchTimer::of(model);  // refuses delays that cannot be
+  for (const Hertz f : frequencies) {
+    if (!(model.on_delay_s < 0.5 / f.value)) {
+      throw DesignError(fmt::format("the switch closes {} s late: it shows no branch of a triangle of {} Hz",
+                                    rounded_text(model.on_delay_s), rounded_text(f.value)));
+    }
+  }
   out.detector = detector_figures(SlopeDetector(layout.detector_netlist(), "x"), frequencies);
   SwitchFigures& s = out.analog_switch;
   s.opens_s = model.off_delay_s();

@@ -109,7 +109,8 @@ Bench::Bench(const DisturbanceCircuit& controller, const tracking::Stage& stage,
 
 std::vector<double> Bench::displacement(const Board& board, std::size_t frequency) const {
   const Input& input = inputs_[frequency];
-  return stage_.response(board.drive(input), input.step_s, frequencies_[frequency]);
+  return stage_.response(board.drive(input), input.step_s, frequencies_[frequency],
+                         tracking::DriveKind::smooth);
 }
 
 double Bench::error_percent(const Board& board, std::size_t frequency) const {
@@ -185,7 +186,8 @@ std::vector<DrawCheck> check_draws(const generator::DisturbanceCircuit& controll
     const generator::SteadyState settled =
         generator::run_in_ngspice(built, options.reference, one.frequency, run);
     one.percent = bench.error_percent(board, f);
-    const std::vector<double> y = stage.response(settled.v, settled.step_s, one.frequency);
+    const std::vector<double> y =
+        stage.response(settled.v, settled.step_s, one.frequency, tracking::DriveKind::smooth);
     one.ngspice_percent =
         tracking::tracking_error(y, bench.input(f).r, settled.period_s()).rms_percent_without_lag;
     const std::vector<double> v = board.drive(bench.input(f));

@@ -174,6 +174,9 @@ TEST(DirectFit, ComplexData) {
   const auto fit = fit_directly(points, {.order = 2, .use_phase = true});
   EXPECT_LT(fit.max_db, 1e-4);
   EXPECT_LT(fit.max_phase_deg, 1e-3);
+  EXPECT_EQ(fit.sections.error->max_phase_deg, fit.max_phase_deg);
+  // A fit of magnitudes says nothing of phases.
+  EXPECT_FALSE(fit_directly(points, {.order = 2}).sections.error->max_phase_deg);
   points.points[3].phase_deg.reset();
   EXPECT_THROW(fit_directly(points, {.order = 2, .use_phase = true}), InputError);
 }

@@ -56,20 +56,25 @@ TEST(WaveformError, ConstantGainInClosedForm) {
 // to its periodic steady state.
 TEST(WaveformError, AgreesWithATimeSimulation) {
   const Disturbance d = both_driven();
-  const double zero = 300.0;
-  const double pole = 450.0;
-  const double gain = 1.2;
-  const auto g = [&](RadPerSecond w) {
-    return gain * std::complex<double>(zero, w.value) / std::complex<double>(pole, w.value);
+  struct Case {
+    DrivenPath path;
+    double zero;
   };
-  for (const DrivenPath path : {DrivenPath::whole, DrivenPath::descending}) {
+  // The last one's corners lie above the first thousand harmonics: it is late by microseconds at each corner of the triangle.
+  for (const Case& one : {Case{DrivenPath::whole, 300.0}, Case{DrivenPath::descending, 300.0},
+                          Case{DrivenPath::descending, 2e5}}) {
+    const DrivenPath path = one.path;
+    const double zero = one.zero, pole = 1.5 * zero, gain = 1.2;
+    const auto g = [&](RadPerSecond w) {
+      return gain * std::complex<double>(zero, w.value) / std::complex<double>(pole, w.value);
+    };
     const double f = 37.0;
     const int steps = 20000;
     const double h = 1.0 / (f * steps);
     const TriangleSeries u = triangle_series(d, path, 8);
     // y = gain (u + (zero - pole) v), v' = u - pole v.
     double v = 0.0;
-    double square = 0.0;
+    double square = 0.0, peak = 0.0;
     const double decay = std::exp(-pole * h);
     const double ramp = (1.0 - (1.0 - decay) / (pole * h)) / pole;
     const double hold = (1.0 - decay) / pole - ramp;
@@ -83,13 +88,16 @@ TEST(WaveformError, AgreesWithATimeSimulation) {
           const double wanted = d.rate_gain(Disturbance::Branch::descending, Hertz{f}) * now;
           const double e = gain * (now + (zero - pole) * v) - wanted;
           square += e * e / steps;
+          peak = std::max(peak, std::abs(e));
         }
         v = decay * v + hold * now + ramp * next;
       }
     }
     const auto got = waveform_error(g, d, {Hertz{f}}, {.path = path});
     EXPECT_NEAR(got.points[0].rms_percent / (100.0 * std::sqrt(square)), 1.0, 2e-4) << static_cast<int>(path);
-    EXPECT_GT(got.points[0].peak_percent, got.points[0].rms_percent);
+    if (path == DrivenPath::descending) {
+      EXPECT_NEAR(got.points[0].peak_percent / (100.0 * peak), 1.0, 0.05);
+    }
   }
 }
 

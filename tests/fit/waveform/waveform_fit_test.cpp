@@ -32,7 +32,7 @@ TEST(WaveformFit, ReachesTheBestKnownErrors) {
       }
       ASSERT_TRUE(fit->sections.error);
       EXPECT_NEAR(fit->sections.error->max_magnitude_db, db, 1e-9);
-      EXPECT_NEAR(fit->sections.error->max_phase_deg, deg, 1e-9);
+      EXPECT_NEAR(fit->sections.error->max_phase_deg.value(), deg, 1e-9);
       for (const Section& section : fit->sections.sections) {
         EXPECT_TRUE(section.is_stable());
         for (const auto& pole : section.poles) EXPECT_EQ(pole.imag(), 0.0);

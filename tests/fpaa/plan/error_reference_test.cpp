@@ -51,7 +51,7 @@ TEST(ErrorReference, FarCornersDoNotWidenTheBand) {
   Sections s;
   s.sections = {{1.0, {-0.1}, {-2.0 * M_PI * 21.0}}, {1.0, {-1e8}, {-2.0 * M_PI * 1000.0}}};
   EXPECT_NEAR(judged_band(s).from.value, 0.1 / (2.0 * M_PI), 1e-9);
-  s.error = Sections::Error{{{20.0}, {20000.0}}};
+  s.error = Sections::Error{{{20.0}, {20000.0}}, 0.0, std::nullopt, 0.0};
   EXPECT_NEAR(judged_band(s).from.value, 20.0, 1e-9);
   EXPECT_NEAR(judged_band(s).to.value, 20000.0, 1e-6);
 }

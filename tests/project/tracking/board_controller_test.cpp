@@ -107,7 +107,7 @@ TEST(BoardController, WhatDidNotRunHasNoColumn) {
 class Rigid final : public tracking::Stage {
  public:
   const std::string& name() const override { return name_; }
-  std::vector<double> response(std::span<const double> v, double, Hertz) const override {
+  std::vector<double> response(std::span<const double> v, double, Hertz, tracking::DriveKind) const override {
     return {v.begin(), v.end()};
   }
 

@@ -83,6 +83,14 @@ TEST(SlopeDetector, FollowsTheSlowestReferenceThatItIsMadeFor) {
   }
 }
 
+// A contact that closes half a period late or later shows no branch: refused, in words.
+TEST(SwitchFigures, ADelayBeyondHalfAPeriodIsRefused) {
+  DisturbanceCircuit layout = two_branches();
+  layout.analog_switch.on_delay_s = 0.9e-3;
+  EXPECT_NO_THROW(make_timing(layout, {Hertz{500.0}}));
+  EXPECT_THROW(make_timing(layout, {Hertz{100.0}, Hertz{600.0}}), DesignError);
+}
+
 // At frequencies where nothing else is late, the error is the wrong branch for as long as it stays on: of the period 2 f times
 // the delay, at either end, where the branches are |d_up - d_down| apart.
 TEST(SwitchFigures, TheErrorIsTheWrongBranchForTheDelay) {

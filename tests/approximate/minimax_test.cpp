@@ -237,34 +237,34 @@ TEST(Minimax, RealRootsAboveTwoAreTheBestRealOnes) {
   EXPECT_NEAR(minimax_of(2, 2.29, 3).error.everywhere_db, 0.00010442, 1e-7);
 }
 
-// Fewer poles than |beta|: the best of all places for one pole and one zero, by trying them all.
-TEST(Minimax, OnePoleMakesTheBestOfAHigherPower) {
-  const double kappa = 2.0;
-  const double beta = 1.6;
-  const FractionalLeadLag term{1.0, 1.0 / kappa, beta};
-  const TermApproximation made = minimax_of(kappa, beta, 1);
-  ASSERT_EQ(made.sections.size(), 1u);
-  double best = INFINITY;
-  for (int i = 0; i < 4000; ++i) {
-    const double ratio = std::exp(0.3 + 2.0 * i / 4000.0);  // pole over zero
+// Fewer poles than |beta|: the best of all places for poles that lie together, and zeros that do, by trying them all.
+TEST(Minimax, FewPolesMakeTheBestOfAHigherPower) {
+  const auto expect_best = [](double kappa, double beta, int order) {
+    SCOPED_TRACE(kappa);
+    const FractionalLeadLag term{1.0, 1.0 / kappa, beta};
+    const TermApproximation made = minimax_of(kappa, beta, order);
     const double centre = term.low_corner().value * std::sqrt(kappa);
-    Cascade cascade;
-    cascade.terms = {term};
-    Sections one;
-    one.sections = {Section::pole_zero(1.0, {centre / std::sqrt(ratio)}, {centre * std::sqrt(ratio)})};
-    double low = 0.0;
-    double high = 0.0;
-    for (const Hertz f : log_grid({Hertz{1e-4}, Hertz{1e4}}, 81)) {
-      const double e =
-          to_decibel(std::abs(one.response(f.rad_s()))) - kDecibelPerNeper * term.log_magnitude(f.rad_s());
-      low = std::min(low, e);
-      high = std::max(high, e);
+    double best = INFINITY;
+    for (int i = 0; i < 4000; ++i) {
+      const double ratio = std::pow(kappa, 0.5 + (2.0 * beta / order - 0.5) * i / 4000.0);  // pole over zero
+      const Section one = Section::pole_zero(1.0, {centre / std::sqrt(ratio)}, {centre * std::sqrt(ratio)});
+      double low = 0.0;
+      double high = 0.0;
+      for (const Hertz f : log_grid({Hertz{1e-4}, Hertz{1e4}}, 81)) {
+        const double e = order * to_decibel(std::abs(one.response(f.rad_s()))) -
+                         kDecibelPerNeper * term.log_magnitude(f.rad_s());
+        low = std::min(low, e);
+        high = std::max(high, e);
+      }
+      best = std::min(best, 0.5 * (high - low));
     }
-    best = std::min(best, 0.5 * (high - low));
-  }
-  EXPECT_NEAR(made.error.everywhere_db, best, 0.02 * best);
-  EXPECT_TRUE(made.sections[0].is_stable());
-  EXPECT_EQ(minimax_of(10.0, 3.5, 2).sections.size(), 2u);
+    EXPECT_NEAR(made.error.everywhere_db, best, 0.02 * best);
+    ASSERT_EQ(made.sections.size(), std::size_t(order));
+    EXPECT_TRUE(made.sections[0].is_stable());
+  };
+  expect_best(2.0, 1.6, 1);
+  expect_best(40.0, 3.5, 2);
+  expect_best(500.0, 2.6, 1);
 }
 
 }  // namespace

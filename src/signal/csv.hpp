@@ -32,7 +32,7 @@ class Csv {
   bool has(std::string_view name) const;
   /// Throws InputError naming the header's line when there is no such column.
   const std::vector<double>& column(std::string_view name) const;
-  /// Line of the file in which row i stands; 0 in binary files.
+  /// Line of the file in which row i stands; 0 in binary files and of samples made of uneven ones.
   int line(std::size_t row) const { return lines_.empty() ? 0 : lines_[row]; }
   int header_line() const { return header_line_; }
   [[noreturn]] void fail(std::size_t row, std::string_view message) const;

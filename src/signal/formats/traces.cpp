@@ -240,8 +240,9 @@ Foreign record_columns(const Source& source, Words words, std::vector<double> ti
     validate_finite(source, lines, signal.values, "value of " + signal.name);
   if (time_s.empty()) throw InputError(source.file, 0, "has no samples");
   if (steps == Steps::made_even) {
+    const std::vector<double> of_lines = time_s;
     make_even(source, words, time_s, signals);
-    if (time_s.size() != lines.size()) lines.clear();
+    if (time_s != of_lines) lines.clear();
   }
   Foreign out;
   out.names = {std::string(column::time_s), std::string(column::input)};

@@ -317,6 +317,22 @@ TEST(ForeignRecords, StraightLinesAtUnevenTimesStayStraightAndFew) {
   EXPECT_NEAR(there, 5.0 - 2.0 * 0.33, 1e-3 * 3.1);
 }
 
+// Samples that a file does not hold have no line in it, whether they are more than its own or (64) as many.
+TEST(ForeignRecords, OnlySamplesOfTheFileHaveALine) {
+  const TemporaryFolder folder;
+  const auto lines = [&](int count, double bend) {
+    std::string text = "time\tV(in)\tV(out)\n";
+    for (int i = 0; i < count; ++i) text += fmt::format("{}\t{}\t0\n", i + (i == 7 ? bend : 0.0), i % 3);
+    write_file(folder / "lines.txt", text);
+    Provenance from;
+    const Csv read = Csv::read(folder / "lines.txt", from, formats::Content::record);
+    return std::pair{read.line(0), read.line(read.rows() - 1)};
+  };
+  EXPECT_EQ(lines(64, 0.0), (std::pair{2, 65}));
+  EXPECT_EQ(lines(64, 0.4), (std::pair{0, 0}));
+  EXPECT_EQ(lines(20, 0.4), (std::pair{0, 0}));
+}
+
 TEST(ForeignRecords, AnotherColumnOrNodeIsChosenByName) {
   Provenance from;
   const TimeRecord swapped = TimeRecord::read_csv(sample("waveforms_scope.csv:Channel 2,Channel 1"), from);

@@ -174,12 +174,11 @@ struct Comparator {
   double threshold_v = 0.0;
 };
 
-/// A level that is 1 V where all of `high` and none of `low` are: their product. Without either always, or never.
+/// A level that is 1 V where all of `high` and none of `low` are: their product.
 struct Gate {
   std::size_t group = 0;
   std::string out;
   std::vector<std::string> high, low;
-  bool never = false;
 };
 
 /// One phase of a clock: 1 V at `node` from t = 0 (phase 1) or from half a period (phase 2) on, for half a period less `gap`

@@ -89,8 +89,7 @@ void Equations::add_levels(const Netlist& netlist) {
     return out;
   };
   for (const Gate& one : netlist.gates)
-    elements_.push_back(
-        make_gate(places(one.high), places(one.low), one.never, node(one.out), hold(one.out)));
+    elements_.push_back(make_gate(places(one.high), places(one.low), node(one.out), hold(one.out)));
 }
 
 int Equations::hold(const std::string& name) {

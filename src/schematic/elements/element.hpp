@@ -113,8 +113,7 @@ struct Control {
 };
 std::unique_ptr<Element> make_moving_contact(int from, int to, const Control& by, const SwitchModel& model);
 std::unique_ptr<Element> make_comparator(int in, int out, int branch, double gain, double threshold_v);
-std::unique_ptr<Element> make_gate(std::vector<int> high, std::vector<int> low, bool never, int out,
-                                   int branch);
+std::unique_ptr<Element> make_gate(std::vector<int> high, std::vector<int> low, int out, int branch);
 std::unique_ptr<Element> make_source(int node, int branch, double volts);
 
 }  // namespace bodesmith::schematic

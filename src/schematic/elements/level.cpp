@@ -27,8 +27,8 @@ class ComparatorElement final : public Element {
 /// V(out) = product of V(high) and 1 - V(low), an ideal source.
 class GateElement final : public Element {
  public:
-  GateElement(std::vector<int> high, std::vector<int> low, bool never, int out, int branch)
-      : high_(std::move(high)), low_(std::move(low)), never_(never), out_(out), branch_(branch) {}
+  GateElement(std::vector<int> high, std::vector<int> low, int out, int branch)
+      : high_(std::move(high)), low_(std::move(low)), out_(out), branch_(branch) {}
   void stamp(const Point& at, Stamps& to) const override {
     to.add(out_, -at[branch_], 0.0);
     to.slope(out_, branch_, -1.0, 0.0);
@@ -41,14 +41,12 @@ class GateElement final : public Element {
  private:
   /// Of all levels but one.
   double product(const Point& at, int but) const {
-    if (high_.empty() && low_.empty()) return never_ ? 0.0 : 1.0;
     double out = 1.0;
     for (const int one : high_) out *= one == but ? 1.0 : at[one];
     for (const int one : low_) out *= one == but ? 1.0 : 1.0 - at[one];
     return out;
   }
   std::vector<int> high_, low_;
-  bool never_;
   int out_, branch_;
 };
 
@@ -58,9 +56,8 @@ std::unique_ptr<Element> make_comparator(int in, int out, int branch, double gai
   return std::make_unique<ComparatorElement>(in, out, branch, gain, threshold_v);
 }
 
-std::unique_ptr<Element> make_gate(std::vector<int> high, std::vector<int> low, bool never, int out,
-                                   int branch) {
-  return std::make_unique<GateElement>(std::move(high), std::move(low), never, out, branch);
+std::unique_ptr<Element> make_gate(std::vector<int> high, std::vector<int> low, int out, int branch) {
+  return std::make_unique<GateElement>(std::move(high), std::move(low), out, branch);
 }
 
 }  // namespace bodesmith::schematic

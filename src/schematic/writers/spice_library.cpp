@@ -173,8 +173,7 @@ class NetlistLines {
       Lines factors;
       for (const std::string& level : one.high) factors.push_back("v(" + level + ")");
       for (const std::string& level : one.low) factors.push_back("(1-v(" + level + "))");
-      const std::string product = factors.empty() ? (one.never ? "0" : "1") : join(factors, "*");
-      out.push_back(fmt::format("E{0} {0} 0 VALUE={{ {1} }}", one.out, product));
+      out.push_back(fmt::format("E{0} {0} 0 VALUE={{ {1} }}", one.out, join(factors, "*")));
     });
     each(netlist_.contacts, [&](const Contact& one, std::size_t) {
       out.push_back(fmt::format("X{} {} {} {} bodesmith_switch", one.name, one.from, one.to, one.control));

@@ -435,19 +435,17 @@ class Reader {
       into.comparators.push_back(one);
       return;
     }
-    Gate gate{group, value[1], {}, {}, expression == "0"};
-    if (expression != "0" && expression != "1") {
-      static const std::regex kHigh(R"(v\((\S+)\))"), kLow(R"(\(1-v\((\S+)\)\))");
-      for (const std::string_view factor : split(expression, '*')) {
-        const std::string text(factor);
-        std::smatch level;
-        if (std::regex_match(text, level, kLow)) {
-          gate.low.push_back(level[1]);
-        } else if (std::regex_match(text, level, kHigh)) {
-          gate.high.push_back(level[1]);
-        } else {
-          fail(fmt::format("'{}' is no level of a node", text));
-        }
+    Gate gate{group, value[1], {}, {}};
+    static const std::regex kHigh(R"(v\((\S+)\))"), kLow(R"(\(1-v\((\S+)\)\))");
+    for (const std::string_view factor : split(expression, '*')) {
+      const std::string text(factor);
+      std::smatch level;
+      if (std::regex_match(text, level, kLow)) {
+        gate.low.push_back(level[1]);
+      } else if (std::regex_match(text, level, kHigh)) {
+        gate.high.push_back(level[1]);
+      } else {
+        fail(fmt::format("'{}' is no level of a node", text));
       }
     }
     into.gates.push_back(std::move(gate));

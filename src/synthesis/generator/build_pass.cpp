@@ -225,12 +225,11 @@ void Builder::branch_switch() {
 
 /// 1 when the lines (levels lb, l1, l2, …) select this branch.
 schematic::Gate Builder::decoded(int branch, std::size_t channel) const {
-  schematic::Gate out{channel, fmt::format("e{}", branch + 1), {}, {}, true};
+  schematic::Gate out{channel, fmt::format("e{}", branch + 1), {}, {}};
   const int lines = out_.select_lines();
   for (int select = 0; select < (1 << lines); ++select) {
     const bool up = out_.branch_at(select, true) == branch, down = out_.branch_at(select, false) == branch;
     if (!up && !down) continue;
-    out.never = false;
     if (up != down) (up ? out.high : out.low).push_back("lb");
     for (int bit = 0; bit < lines; ++bit)
       (((select >> bit) & 1) != 0 ? out.high : out.low).push_back(fmt::format("l{}", bit + 1));

@@ -17,49 +17,103 @@
 namespace bodesmith {
 namespace {
 
-thread_local int allowance = 1;
+/// Of the innermost work around that shares its threads.
+thread_local FreeThreads* shared = nullptr;
+
+bool take(FreeThreads& threads) {
+  int free = threads.free;
+  while (free > 0) {
+    if (threads.free.compare_exchange_weak(free, free - 1)) return true;
+  }
+  return false;
+}
+
+/// One loop's work and who is at it.
+class Loop {
+ public:
+  Loop(std::size_t count, int threads, FreeThreads& from, const std::function<void(std::size_t)>& work)
+      : count_(count),
+        most_helpers_(std::min(count, static_cast<std::size_t>(std::max(threads, 1))) - 1),
+        from_(from),
+        work_(work) {}
+
+  void run() {
+    work_on();
+    ++from_.free;  // while it waits
+    for (std::thread helper = next_helper(); helper.joinable(); helper = next_helper()) helper.join();
+    --from_.free;
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  void work_on() {
+    for (std::size_t i = next_++; i < count_; i = next_++) {
+      if (i + 1 < count_) call_helpers();
+      try {
+        work_(i);
+      } catch (...) {
+        const std::lock_guard lock(guard_);
+        if (!failure_) failure_ = std::current_exception();
+        next_ = count_;
+      }
+    }
+  }
+
+  void call_helpers() {
+    if (from_.free <= 0) return;
+    const std::lock_guard lock(guard_);
+    while (helpers_.size() < most_helpers_ && take(from_)) {
+      try {
+        helpers_.emplace_back([this] {
+          shared = &from_;
+          work_on();
+          ++from_.free;
+        });
+      } catch (const std::system_error&) {
+        // No more threads are to be had: those that there are do the work.
+        ++from_.free;
+        return;
+      }
+    }
+  }
+
+  /// One that was called and is not waited for yet; those at work may still call others.
+  std::thread next_helper() {
+    const std::lock_guard lock(guard_);
+    return awaited_ < helpers_.size() ? std::move(helpers_[awaited_++]) : std::thread();
+  }
+
+  const std::size_t count_, most_helpers_;
+  FreeThreads& from_;
+  const std::function<void(std::size_t)>& work_;
+  std::atomic<std::size_t> next_{0};
+  std::mutex guard_;
+  std::vector<std::thread> helpers_;
+  std::size_t awaited_ = 0;
+  std::exception_ptr failure_;
+};
 
 }  // namespace
 
 int allowed_threads() {
-  return allowance;
+  return shared != nullptr ? shared->all : 1;
 }
 
-ThreadAllowance::ThreadAllowance(int threads) : before_(allowance) {
-  allowance = threads;
+ThreadAllowance::ThreadAllowance(int threads) : threads_(threads), before_(shared) {
+  shared = &threads_;
 }
 ThreadAllowance::~ThreadAllowance() {
-  allowance = before_;
+  shared = before_;
 }
 
 void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex guard;
-  const auto loop = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        work(i);
-      } catch (...) {
-        const std::lock_guard lock(guard);
-        if (!failure) failure = std::current_exception();
-        next = count;
-      }
-    }
-  };
-  std::vector<std::thread> helpers;
-  const std::size_t team = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
-  try {
-    for (std::size_t t = 1; t < team; ++t) helpers.emplace_back(loop);
-  } catch (const std::system_error&) {
-    // No more threads are to be had: those that there are do the work.
+  if (count == 0) return;
+  if (shared != nullptr) {
+    Loop(count, threads, *shared, work).run();
+  } else {
+    const ThreadAllowance allowance(threads);
+    Loop(count, threads, *shared, work).run();
   }
-  {
-    const ThreadAllowance busy(helpers.empty() ? allowance : 1);
-    loop();
-  }
-  for (auto& h : helpers) h.join();
-  if (failure) std::rethrow_exception(failure);
 }
 
 int thread_count(int wanted) {

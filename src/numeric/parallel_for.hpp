@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -10,12 +12,20 @@ namespace bodesmith {
 
 /// work(i) for every i < count on up to `threads` threads (each i once, in rising order of start). After an
 /// exception nothing more is started, and the first one is thrown again here. Results must go to places of
-/// their own, so the outcome does not depend on the threads.
+/// their own, so the outcome does not depend on the threads. Within other work on several threads, or a ThreadAllowance, it is
+/// joined only by threads that these have free, as soon as they are.
 void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
 
-/// Threads that work begun in this thread may share among parts of its own: as many as the innermost scope of ThreadAllowance
-/// says, one where there is none. Within parallel_for's work on several threads one, as all are at work.
+/// Threads that work begun in this thread may share with all that is at work there: those of the innermost ThreadAllowance or
+/// parallel_for around, one where there is none.
 int allowed_threads();
+
+/// Threads that are free to join; one is given back when it finds nothing more to do, or waits.
+struct FreeThreads {
+  explicit FreeThreads(int threads) : all(std::max(threads, 1)), free(all - 1) {}
+  const int all;
+  std::atomic<int> free;
+};
 
 /// Allows threads to what is begun in this thread while it lives. For work deep inside that cannot be told of them; like
 /// parallel_for it must come to the same on any number.
@@ -27,7 +37,8 @@ class ThreadAllowance {
   ThreadAllowance& operator=(const ThreadAllowance&) = delete;
 
  private:
-  int before_;
+  FreeThreads threads_;
+  FreeThreads* before_;
 };
 
 /// `wanted` threads, or as many as the machine has cores when that is 0 (or less).

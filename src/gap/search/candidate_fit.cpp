@@ -9,6 +9,7 @@
 #include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/search/round.hpp"
+#include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
@@ -54,11 +55,13 @@ std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchR
   for (const std::size_t start : std::span(p.best_starts).first(std::min(tries, p.best_starts.size())))
     starts.push_back(with_term_at(p.proposal, start));
   if (auto given = as_given(starts.front())) starts.push_back(std::move(*given));
+  std::vector<std::optional<FittedModel>> fitted(starts.size());
+  parallel_for(starts.size(), allowed_threads(), [&](std::size_t i) {
+    if (i == 0 || !setting.options.is_late()) fitted[i] = fit(std::move(starts[i]), records.look(), options);
+  });
   std::optional<FittedModel> best;
-  for (auto& start : starts) {
-    if (setting.options.is_late() && best) break;
-    auto fitted = fit(std::move(start), records.look(), options);
-    if (fitted.usable() && (!best || fitted.rms < best->rms)) best = std::move(fitted);
+  for (auto& one : fitted) {
+    if (one && one->usable() && (!best || one->rms < best->rms)) best = std::move(one);
   }
   return best;
 }
@@ -67,18 +70,20 @@ std::optional<FittedModel> begun_fit(const SearchSetting& setting, const SearchR
 std::optional<double> least_around(const FittedModel& now, const Experiments& look, std::size_t at,
                                    const Unknown& u) {
   Runner runner(now.model, look);
-  auto values = now.model.values();
-  const double middle = values[at];
-  double least = now.rms;
-  std::optional<double> best;
-  std::vector<double> residual;
-  for (int k = -kHops; k <= kHops; ++k) {
-    values[at] = std::clamp(middle + u.hop * k, u.low, u.high);
-    if (values[at] == middle || !runner(values, residual) || !(rms(residual) < least)) continue;
-    least = rms(residual);
-    best = values[at];
-  }
-  return best;
+  const auto values = now.model.values();
+  const auto moved = [&](std::size_t i) {
+    return std::clamp(values[at] + u.hop * (static_cast<double>(i) - kHops), u.low, u.high);
+  };
+  std::vector<double> left(2 * kHops + 1, std::numeric_limits<double>::infinity());
+  parallel_for(left.size(), allowed_threads(), [&](std::size_t i) {
+    auto hopped = values;
+    hopped[at] = moved(i);
+    std::vector<double> residual;
+    if (hopped[at] != values[at] && runner(hopped, residual)) left[i] = rms(residual);
+  });
+  const auto least = std::ranges::min_element(left);
+  if (!(*least < now.rms)) return std::nullopt;
+  return moved(std_index(least - left.begin()));
 }
 
 /// Values that a fit cannot slide along, tried around where it ended, then fitted on.

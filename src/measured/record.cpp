@@ -143,11 +143,11 @@ bool the_rest_is_tolerances(gap::Diagnosis& d, const TimeRecord& record, double 
   const auto k = static_cast<std::size_t>(step - d.steps.begin());
   std::vector<double> values;
   for (const gap::Unknown& unknown : model.unknowns()) values.push_back(unknown.value);
-  values[model.first_unknown_of(k)] += *more;
+  values[model.first_unknown_of(k)] += more->further;
   model.set_values(values);
   for (double* value :
        {&step->parameters.front().value, &step->parameters.front().low, &step->parameters.front().high})
-    *value += *more;
+    *value += more->further;
   return true;
 }
 
@@ -182,7 +182,8 @@ Found diagnosed(const Chain& built, const TimeRecord& record, const gap::Study& 
     asked.max_terms = terms;
     gap::Diagnosis d = gap::diagnose(base, study, asked);
     const double noise = noise_of(d);
-    const bool nothing = noise > 0.0 && terms == 0 && good_parts_explain(built, record, noise);
+    const bool nothing =
+        noise > 0.0 && terms == 0 && good_parts_do_as_much(built, d.search.final.chain(), record, noise);
     const bool all = nothing || (noise > 0.0 && the_rest_is_tolerances(d, record, noise));
     if (all) {
       d.verdict = nothing ? gap::Verdict::nothing_missing : gap::Verdict::explained;
@@ -264,7 +265,10 @@ void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& rec
           p.unit() == "Hz" && std::abs(lag_s) < record.step_s)
         words += fmt::format(", or another of the stage's poles: {} {} of lag",
                              engineering_text(std::abs(lag_s), "s", 3), lag_s > 0.0 ? "more" : "less");
-      if (noise_rms > 0.0 && good_parts_explain(back.chain(), record, noise_rms)) {
+      // Beside a name that was found a free corner takes up what that name leaves: there parts need only explain.
+      const bool alone = found.size() == base.blocks.size();
+      if (noise_rms > 0.0 &&
+          good_parts_do_as_much(back.chain(), alone ? found.chain() : back.chain(), record, noise_rms)) {
         out.advice += "Perhaps " + words + ": parts within their tolerances do as much. ";
         continue;
       }

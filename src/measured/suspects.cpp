@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "numeric/index.hpp"
 #include "numeric/linear_algebra/dense.hpp"
+#include "signal/period.hpp"
 #include "simulate/record/record_simulator.hpp"
 
 namespace bodesmith::measured {
@@ -166,35 +167,61 @@ std::optional<Separating> separating_record(const chain::Chain& base, const std:
   return best;
 }
 
-std::optional<double> good_parts_explain(const chain::Chain& chain, const TimeRecord& record,
-                                         double noise_rms, const std::string& wrong) {
-  const Vector plain = shown_by(chain, record);
-  const Vector left = (as_eigen(record.y) - plain) / noise_rms;
+std::optional<GoodParts> good_parts_explain(const chain::Chain& chain, const TimeRecord& record,
+                                            double noise_rms, const std::string& wrong) {
+  // A record that begins in motion: what the chain does at its start is not the record's. Of several periods all but the first count.
+  const std::size_t period = find_period(record.u);
+  const std::size_t counted = 2 * period > record.size() ? record.size() : record.size() - period;
+  const auto left_beside = [&](const chain::Chain& with) -> Vector {
+    return (as_eigen(record.y) - shown_by(with, record)).tail(eigen_index(counted)) / noise_rms;
+  };
+  Vector left = left_beside(chain);
   const double most = kNoise * kNoise * static_cast<double>(left.size());
-  if (left.squaredNorm() <= most) return 0.0;
+  const bool nothing_left = left.squaredNorm() <= most;
   chain::Chain off = chain;
   const auto block = std::find_if(off.blocks.begin(), off.blocks.end(), has_parts);
-  if (block == off.blocks.end()) return std::nullopt;
+  if (block == off.blocks.end())
+    return nothing_left ? std::optional(GoodParts{0.0, left.squaredNorm()}) : std::nullopt;
   const chain::Block good = *block;
   const auto count = eigen_index(good.parts->size());
+  const auto part = [&](Eigen::Index k) -> const chain::PartChange& {
+    return (*good.parts)[static_cast<std::size_t>(k)];
+  };
   Eigen::MatrixXd directions(left.size(), count);
   Vector deviations(count);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const chain::PartChange& part = (*good.parts)[static_cast<std::size_t>(k)];
-    const double good_part = part.tolerance * (part.is_offset() ? kOffset : kUniform);
-    deviations[k] = part.part == wrong ? kCorrection * part.tolerance : good_part;
-    *block = good.with(part, deviations[k]);
-    directions.col(k) = (shown_by(off, record) - plain) / noise_rms;
+    const double good_part = part(k).tolerance * (part(k).is_offset() ? kOffset : kUniform);
+    deviations[k] = part(k).part == wrong ? kCorrection * part(k).tolerance : good_part;
+    *block = good.with(part(k), deviations[k]);
+    directions.col(k) = left - left_beside(off);
   }
   Eigen::MatrixXd normal = gram(directions);
   normal.diagonal().array() += 1.0;
-  const Vector departures = solve_ldlt(normal, transpose_times(directions, left));
-  if (!((left - directions * departures).squaredNorm() <= most && departures.squaredNorm() <= kMostSquares))
-    return std::nullopt;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    if ((*good.parts)[static_cast<std::size_t>(k)].part == wrong) return departures[k] * deviations[k];
+  // What parts do is bent: the rest is what they leave together, not what their directions do.
+  Vector departures = Vector::Zero(count);
+  for (int round = 0; round < kRounds; ++round) {
+    departures += solve_ldlt(normal, transpose_times(directions, left) - departures);
+    // Far beyond what is asked a controller may have no answer at all.
+    if (departures.squaredNorm() > 2.0 * kMostSquares) return std::nullopt;
+    *block = good;
+    for (Eigen::Index k = 0; k < count; ++k) *block = block->with(part(k), departures[k] * deviations[k]);
+    left = left_beside(off);
   }
-  return 0.0;
+  GoodParts out{0.0, left.squaredNorm() + departures.squaredNorm()};
+  if (!nothing_left && !(left.squaredNorm() <= most && departures.squaredNorm() <= kMostSquares))
+    return std::nullopt;
+  for (Eigen::Index k = 0; k < count && !nothing_left; ++k) {
+    if (part(k).part == wrong) out.further = departures[k] * deviations[k];
+  }
+  return out;
+}
+
+bool good_parts_do_as_much(const chain::Chain& chain, const chain::Chain& other, const TimeRecord& record,
+                           double noise_rms) {
+  const auto parts = good_parts_explain(chain, record, noise_rms);
+  if (!parts) return false;
+  const auto otherwise = good_parts_explain(other, record, noise_rms);
+  return !otherwise || parts->squares <= otherwise->squares + 2.0 * kOdds;
 }
 
 }  // namespace bodesmith::measured

@@ -35,10 +35,22 @@ struct Separating {
 std::optional<Separating> separating_record(const chain::Chain& base, const std::vector<Suspect>& suspects,
                                             const TimeRecord& record, double operating_hz);
 
-/// Whether noise of that rms and parts within their tolerances make all that the chain leaves of the record: the least sum of
-/// squares of their departures, in standard deviations, that leaves no more than noise. `wrong`: a part that may be off by more; the
-/// number is its departure beyond the chain's, of its unit (what was fitted without the others' took their share).
-std::optional<double> good_parts_explain(const chain::Chain& chain, const TimeRecord& record,
-                                         double noise_rms, const std::string& wrong = {});
+/// What good parts and noise make of a record.
+struct GoodParts {
+  double further =
+      0.0;  ///< departure of the part that is wrong beyond the chain's, of its unit (what was fitted without the others' took their share)
+  double squares =
+      0.0;  ///< of what is left in rms of noise, and of all departures in standard deviations: -2 ln of how likely
+};
+
+/// Whether noise of that rms and parts within their tolerances make all that the chain leaves of the record: the least `squares`,
+/// where they leave no more than noise. `wrong`: a part that may be off by more.
+std::optional<GoodParts> good_parts_explain(const chain::Chain& chain, const TimeRecord& record,
+                                            double noise_rms, const std::string& wrong = {});
+
+/// Whether they do so with `chain`, and not plainly less likely than with `other`: an amplifier that is too slow for its record shows at
+/// the turns what no part does, however little that is beside the rest of its lag.
+bool good_parts_do_as_much(const chain::Chain& chain, const chain::Chain& other, const TimeRecord& record,
+                           double noise_rms);
 
 }  // namespace bodesmith::measured

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "chain/registry.hpp"
 #include "simulate/record/record_simulator.hpp"
@@ -141,10 +142,13 @@ TEST(GoodParts, ExplainUpToThirtySquares) {
   const Chain base = two_curves();
   const double noise = 1e-5;
   TimeRecord record = triangle();
+  const auto further = [](const std::optional<GoodParts>& of) {
+    return of ? std::optional(of->further) : std::nullopt;
+  };
   const auto explained = [&](std::size_t part, double departure, const std::string& wrong = {}) {
     record.y = shown(with_part(base, part, departure), record);
     for (std::size_t i = 0; i < record.size(); ++i) record.y[i] += i % 2 == 0 ? noise : -noise;
-    return good_parts_explain(base, record, noise, wrong);
+    return further(good_parts_explain(base, record, noise, wrong));
   };
   const double deviations = std::sqrt(30.0);
   EXPECT_EQ(explained(0, 0.0), 0.0);
@@ -158,7 +162,7 @@ TEST(GoodParts, ExplainUpToThirtySquares) {
   const auto left = [&](double cubic) {
     record.y = shown(base, record);
     for (std::size_t i = 0; i < record.size(); ++i) record.y[i] += cubic * std::pow(record.u[i], 3);
-    return good_parts_explain(base, record, noise);
+    return further(good_parts_explain(base, record, noise));
   };
   EXPECT_FALSE(left(0.01).has_value());
   EXPECT_EQ(left(1e-6), 0.0);
@@ -166,6 +170,50 @@ TEST(GoodParts, ExplainUpToThirtySquares) {
   bare.blocks[0].parts.reset();
   record.y = shown(with_part(base, 0, 1.0), record);
   EXPECT_FALSE(good_parts_explain(bare, record, noise).has_value());
+}
+
+/// The amplifier's lag on a triangle is a constant of either direction but for some samples at its turns; good parts that make the constant
+/// are no match for a corner that makes both. Squares are additive: N of noise, one for each deviation.
+TEST(GoodParts, ThatLeaveTheTurnsAreNoMatchForALag) {
+  Block controller = chain::make_block("polynomial_hysteresis");
+  controller.set("ascending", std::vector<double>(3)).set("descending", std::vector<double>(3));
+  controller.parts = std::make_shared<const std::vector<PartChange>>(std::vector<PartChange>{
+      {"M1, offset", "v", 0.015, {{"constant_ascending", 1.0, 0.0}, {"constant_descending", -1.0, 0.0}}}});
+  Block amplifier = chain::make_block("lowpass");
+  Chain fast, slow;
+  fast.blocks = {controller, amplifier.set("corner_hz", 100e3)};
+  slow.blocks = {controller, amplifier.set("corner_hz", 3e3)};
+  constexpr double noise = 2.5e-3;
+  TimeRecord record = triangle();
+  const auto measure = [&](const Chain& truth) {
+    record.y = shown(truth, record);
+    for (std::size_t i = 0; i < record.size(); ++i) record.y[i] += i % 2 == 0 ? noise : -noise;
+  };
+  const double samples = static_cast<double>(record.size());
+  measure(slow);
+  const auto parts = good_parts_explain(fast, record, noise), lag = good_parts_explain(slow, record, noise);
+  ASSERT_TRUE(parts.has_value());
+  ASSERT_TRUE(lag.has_value());
+  EXPECT_NEAR(lag->squares, samples, 1.0);
+  // 2 c of a step decay with the lag at each turn: 4 c^2 q^2/(1 - q^2) of squares, c = 200 tau, q = exp(-step/tau).
+  const double tau = 1.0 / (2.0 * std::numbers::pi * 3e3), q = std::exp(-record.step_s / tau);
+  EXPECT_GT(parts->squares, samples + std::pow(400.0 * tau * q / noise, 2) / (1.0 - q * q));
+  EXPECT_FALSE(good_parts_do_as_much(fast, slow, record, noise));
+  EXPECT_TRUE(good_parts_do_as_much(slow, fast, record, noise));
+  // Of a part's making it is the parts'.
+  measure(with_part(fast, 0, 0.01));
+  EXPECT_TRUE(good_parts_do_as_much(fast, slow, record, noise));
+}
+
+/// What a part does is bent: where its direction alone leaves eight times the noise, its departure leaves none.
+TEST(GoodParts, AreMetAsTheyAreBent) {
+  const Chain base = two_curves();
+  TimeRecord record = triangle();
+  constexpr double noise = 1e-4;
+  record.y = shown(with_part(base, 1, 4.0), record);
+  const auto met = good_parts_explain(base, record, noise, "R2");
+  ASSERT_TRUE(met.has_value());
+  EXPECT_NEAR(met->squares, std::pow(4.0 / (30.0 * 0.1), 2), 0.2);
 }
 
 }  // namespace
